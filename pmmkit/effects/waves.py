@@ -34,6 +34,12 @@ def drift(
     kx: float,
     ky: float,
     kn: float,
+    kx1: float,
+    ky1: float,
+    kn1: float,
+    kx2: float,
+    ky2: float,
+    kn2: float,
     speeds: Sequence[float],
     angle_deg: Sequence[float],
     DX: Sequence[float],
@@ -44,11 +50,12 @@ def drift(
 
     Notes
     -----
-    X = kx ρgHs² L DX, Y = ky ρgHs² L DY, N = kn ρgHs² L² DN, over the angle γ from which the waves
-    come, from the bow, positive to starboard. Waves from starboard push to port: DY < 0. Tables
-    reach over 0 to 180°; waves from port mirror them. ``speeds``: a row over the angles for each
-    of ``speeds``, between which lie straight lines in U, as in short waves, which meet the ship
-    the more often the faster it goes; below the first and beyond the last they are held.
+    X = fx ρgHs² L DX, Y = fy ρgHs² L DY, N = fn ρgHs² L² DN, over the angle γ from which the waves
+    come, from the bow, positive to starboard. The factors are fx = kx + kx1 cos γ + kx2 cos 2γ and
+    so on, for a table is not right at all angles alike. Waves from starboard push to port: DY < 0.
+    Tables reach over 0 to 180°; waves from port mirror them. ``speeds``: a row over the angles for
+    each of ``speeds``, between which lie straight lines in U, as in short waves, which meet the
+    ship the more often the faster it goes; below the first and beyond the last they are held.
     ``reflected``: waves that are short beside the ship, whose energy a wall sends back,
     DX = -(B/L) cos γ |cos γ|/16, DY = -sin γ |sin γ|/16, and no moment. A sea that a record states,
     ``wave_height`` [m] from ``wave_direction`` [rad], stands for ``Hs`` and ``from_deg``; a height
@@ -60,7 +67,7 @@ def drift(
 
     >>> none = (0.0,)
     >>> X, Y, N = drift(5.0, 0.0, 100.0, 20.0, 1025.0, 9.81, -1.0, 0.0, 0, 4.0, 90.0, 1.0, 1.0,
-    ...                 1.0, *[none] * 5)
+    ...                 1.0, *[0.0] * 6, *[none] * 5)
     >>> round(Y / 1e3)
     -1006
     """
@@ -68,11 +75,15 @@ def drift(
     bearing = where(stated, wave_direction, from_deg * pi / 180.0) - psi
     height = where(stated, wave_height, Hs)
     across, ahead = sin(bearing), cos(bearing)
+    twice = 2.0 * ahead * ahead - 1.0
+    fx = kx + kx1 * ahead + kx2 * twice
+    fy = ky + ky1 * ahead + ky2 * twice
+    fn = kn + kn1 * ahead + kn2 * twice
     size = rho * g * height * height * L
     if coefficients == 0:
         return (
-            -kx * size * B / L * ahead * fabs(ahead) / 16.0,
-            -ky * size * across * fabs(across) / 16.0,
+            -fx * size * B / L * ahead * fabs(ahead) / 16.0,
+            -fy * size * across * fabs(across) / 16.0,
             0.0,
         )
     angle = atan2(across, ahead)
@@ -86,7 +97,7 @@ def drift(
         x = interpolate(degrees, angle_deg, DX)
         y = interpolate(degrees, angle_deg, DY)
         n = interpolate(degrees, angle_deg, DN)
-    return kx * size * x, ky * side * y, kn * side * L * n
+    return fx * size * x, fy * side * y, fn * side * L * n
 
 
 def some_sea(vessel: Vessel) -> Mapping[str, float]:
@@ -100,14 +111,28 @@ diagnosis takes a coefficient for as large as one and a half times its usual siz
 
 
 def together(_: Vessel) -> Mapping[str, Move]:
-    """The whole drift by a share of the table, and each factor about this share."""
+    """The whole drift by a share of the table, each factor about this share, and its harmonics."""
     whole = Move(values=dict.fromkeys((f"wave_drift.{x}" for x in _OFF), 1.0), typical=1.0)
     return {"share": whole} | {
-        axis: Move(values={f"wave_drift.{name}": 1.0}, typical=size)
+        f"{axis}{order}": Move(values={f"wave_drift.{name}{order}": 1.0}, typical=size)
         for axis, (name, size) in zip(("surge", "sway", "yaw"), _OFF.items(), strict=True)
+        for order in _ORDERS
     }
 
 
+_ORDERS: Final = {"": "", "1": " times cos γ", "2": " times cos 2γ"}
+_FACTORS: Final = tuple(
+    Parameter(
+        name=f"{name}{order}",
+        text=f"factor on the {force}{shape}",
+        default=0.0 if order else 1.0,
+        typical=_OFF[name],
+        expected=0.0 if order else 1.0,
+        uncertain=True,
+    )
+    for order, shape in _ORDERS.items()
+    for name, force in (("kx", "surge force"), ("ky", "sway force"), ("kn", "yaw moment"))
+)
 _TABLE: Final = ("coefficients", "table", "speeds")
 _SPEEDS: Final = ("coefficients", "speeds")
 _PLACES: Final = ("speeds", "angle_deg")
@@ -131,30 +156,7 @@ WAVE_DRIFT: Final = Effect(
             unit="deg",
             default=0.0,
         ),
-        Parameter(
-            name="kx",
-            text="factor on the surge force",
-            default=1.0,
-            typical=_OFF["kx"],
-            expected=1.0,
-            uncertain=True,
-        ),
-        Parameter(
-            name="ky",
-            text="factor on the sway force",
-            default=1.0,
-            typical=_OFF["ky"],
-            expected=1.0,
-            uncertain=True,
-        ),
-        Parameter(
-            name="kn",
-            text="factor on the yaw moment",
-            default=1.0,
-            typical=_OFF["kn"],
-            expected=1.0,
-            uncertain=True,
-        ),
+        *_FACTORS,
         Parameter(
             name="angle_deg",
             text="angles 0 to 180 from which the waves come, from starboard, ascending",

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final, Self
+from typing import TYPE_CHECKING, Final, Self
 
-from pmmkit.conventions import Criterion, Ship
+from pmmkit.conventions import Criterion
+from pmmkit.simulation import wave_height_of
+
+if TYPE_CHECKING:
+    from pmmkit.models import Model
 
 SHORTEST: Final = 100.0
 """Length from which on the standard applies [m]: MSC.137(76)."""
@@ -21,6 +25,8 @@ FAST: Final = 0.9
 """Least share of the speed at 85 % of the engine's output: MSC.137(76)."""
 WINDS: Final = (0.2, 1.5, 3.3, 5.4, 7.9, 10.7, 13.8, 17.1, 20.7, 24.4, 28.4, 32.6)
 """Upper ends of Beaufort 0 to 11 [m/s], of the mean over ten minutes at a height of 10 m."""
+SEAS: Final = (0.0, 0.1, 0.5, 1.25, 2.5, 4.0, 6.0, 9.0, 14.0)
+"""Upper ends of sea states 0 to 8 by significant height [m]: WMO code 3700."""
 SIMULATED: Final = "none, as simulated"
 """What is shown of wind, sea and current of a simulation."""
 
@@ -34,6 +40,17 @@ def beaufort(speed: float) -> int:
     (0, 5, 6, 12)
     """
     return sum(speed > end for end in WINDS)
+
+
+def sea_state(height: float) -> int:
+    """State of a sea by WMO code 3700, of a significant height [m].
+
+    Examples
+    --------
+    >>> sea_state(0.0), sea_state(2.5), sea_state(4.5), sea_state(20.0)
+    (0, 4, 6, 9)
+    """
+    return sum(height > end for end in SEAS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -214,10 +231,14 @@ class Condition:
 
 
 def simulated_conditions(
-    ship: Ship,
+    model: Model,
     speed: float,
     *,
     depth: float | None = None,
+    wind_speed: float = 0.0,
+    current_speed: float = 0.0,
+    wave_height: float | None = None,
+    revolutions: float | str | None = None,
     full_speed: float | None = None,
     full_draught: float | None = None,
 ) -> tuple[Condition, ...]:
@@ -225,21 +246,36 @@ def simulated_conditions(
 
     Parameters
     ----------
-    ship : Ship
-        At the scale and in the loading that sail.
+    model : Model
+        At the scale and in the loading that sail; she may feel waves of her own.
     speed : float
         Of the approach [m/s].
     depth : float, optional
         Of the water [m]; without it there is no bottom.
+    wind_speed, current_speed : float
+        That she was sailed in [m/s].
+    wave_height : float, optional
+        That she was sailed in, in place of her own [m].
+    revolutions : float or "speed", optional
+        As of `simulate`: whether the lever was held in the waves, or the speed.
     full_speed, full_draught : float, optional
         Speed at 85 % of the engine's output [m/s], mean draught of full load [m].
     """
+    ship, height = model.ship, wave_height_of(model, wave_height)
+    sea = Condition.of_sea(sea_state(height))
+    held = ", speed held" if revolutions == "speed" else ", lever held"
+    told = f"{sea.shown}, Hs {height:.3g} m{held}" if height > 0.0 else SIMULATED
+    wind, current = Condition.of_wind(wind_speed), Condition.of_current(True, SIMULATED)
+    flow = f"{current_speed:.3g} m/s, not corrected for"
     return (
         Condition.of_length(ship.L),
         Condition.of_depth(depth, ship.d, deep=True),
-        replace(Condition.of_wind(0.0), shown=SIMULATED),
-        replace(Condition.of_sea(0), shown=SIMULATED),
-        Condition.of_current(True, SIMULATED),
+        wind if wind_speed else replace(wind, shown=SIMULATED),
+        replace(sea, shown=told),
+        replace(current, met=False, shown=flow, words=_OVER_GROUND) if current_speed else current,
         Condition.of_draught(ship.d, full_draught),
         Condition.of_approach(speed, full_speed),
     )
+
+
+_OVER_GROUND: Final = "The current is not corrected for: the lengths are over ground."

@@ -89,6 +89,10 @@ def metrics_of(track: Track) -> dict[str, Any]:
     }
 
 
+_AROUND: Final = ("depth", "wind_speed", "current_speed", "wave_height", "revolutions")
+"""Settings of a simulation that the standard has a condition for."""
+
+
 def imo_verdicts(
     model: Model | str | Path,
     speed: float,
@@ -155,9 +159,9 @@ def imo_verdicts(
     draws = {"spread": spread, "seed": seed}
     tests = sided_tests(loaded)
     asked = simulated_conditions(
-        loaded.ship,
+        loaded,
         speed,
-        depth=settings.get("depth"),
+        **{name: settings[name] for name in _AROUND if name in settings},
         full_speed=full_speed,
         full_draught=full_draught,
     )

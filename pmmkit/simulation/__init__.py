@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from pmmkit.simulation.kinds.zigzag import executed_at
     from pmmkit.simulation.linear import stability
     from pmmkit.simulation.sensitivity import Sensitivities, sensitivities, sobol
-    from pmmkit.simulation.single import simulate, stopping_ship
+    from pmmkit.simulation.single import simulate, stopping_ship, wave_height_of
     from pmmkit.simulation.spiral import spiral_curve
     from pmmkit.simulation.spread import Draws, Spread
     from pmmkit.simulation.sweeps import SHARES, froude_sweep, sweep
@@ -42,6 +42,7 @@ __all__ = [
     "stability",
     "stopping_ship",
     "sweep",
+    "wave_height_of",
 ]
 
 lazy(__name__)

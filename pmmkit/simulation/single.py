@@ -184,7 +184,7 @@ def simulate(
     more = [Track.NO_BOTTOM] if depth is not None and not loaded.feels("depth") else []
     if wave_height is not None and not loaded.feels("wave_height"):
         more.append(Track.NO_WAVES)
-    if revolutions in (None, "speed") and _in_waves(loaded, wave_height):
+    if revolutions in (None, "speed") and wave_height_of(loaded, wave_height):
         more.append(Track.SPEED_HELD if revolutions == "speed" else Track.LEVER_HELD)
     if fn == "instant":
         track = replace(track, tested=froude_range(loaded, history))
@@ -200,14 +200,33 @@ def simulate(
     return replace(track, notes=(*track.notes, *more), standing=Standing.of(loaded, speed))
 
 
-def _in_waves(model: Model, height: float | None) -> bool:
-    """Whether waves act on a ship: of a height that is stated, or of its own."""
-    own = (
+def wave_height_of(model: Model, stated: float | None = None) -> float:
+    """Significant height of the waves that act on a ship [m].
+
+    Parameters
+    ----------
+    model : Model
+        The ship, perhaps with a sea of her own.
+    stated : float, optional
+        Height that stands for her own [m].
+
+    Returns
+    -------
+    float
+        0 where no waves act, or she does not feel them.
+
+    Examples
+    --------
+    >>> wave_height_of(load_model("kvlcc2"), 3.0)
+    0.0
+    """
+    own = [
         part.values.get("Hs", 0.0)
         for part in model.parts.values()
         if "wave_height" in part.known.needs
-    )
-    return any((each if height is None else height) != 0.0 for each in own)
+    ]
+    heights = [float(x) for x in own if not isinstance(x, tuple)]
+    return max(heights, default=0.0) if stated is None or not heights else stated
 
 
 def ship_for(

@@ -224,6 +224,7 @@ def test_waves_are_named_among_the_whole_catalogue(named):
     assert finding.error_after < 0.8 * finding.error_before
     better = named.model.values("wave_drift")
     assert 0.1 < better["ky"] < 1.5
+    assert better["ky2"] == pytest.approx(finding.coefficients["sway2"])
     assert better["kx"] == pytest.approx(
         finding.coefficients["share"] + finding.coefficients["surge"]
     )
@@ -269,8 +270,9 @@ def test_a_wind_sea_is_told_from_a_wind_that_the_model_knows(table):
 
 @pytest.mark.slow
 def test_a_filter_fits_the_factors_in_the_sea_of_each_record(table):
-    """The side force at about what the walls of the tank make, by the table."""
+    """The side force at about what the walls of the tank make, by the table; the ship of the table
+    lets a part of the waves through."""
     model = with_table(SHIP, table, 1.0)
     records = sailed(Hidden(waves=1.0))
     found = identify(model, records, ["wave_drift.ky"], spread=0.5, sensors=NOISE)
-    assert 0.3 < found.model.values("wave_drift")["ky"] < 1.2
+    assert 0.3 < found.model.values("wave_drift")["ky"] < 1.4

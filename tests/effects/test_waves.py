@@ -51,11 +51,12 @@ def over_speeds(tables):
     return {**ANGLES, "speeds": tuple(tables), **rows}
 
 
-def push(form, bearing, table, speed=8.0):
+def push(form, bearing, table, speed=8.0, factors=None):
     names = ("speeds", "angle_deg", "DX", "DY", "DN")
     tables = [(table or {}).get(name, NONE) for name in names]
     ship = (175.0, 25.4, 1025.0, 9.81)
-    return drift(speed, 0.0, *ship, -1.0, 0.0, form, 3.0, bearing, 1.0, 1.0, 1.0, *tables)
+    factors = (*[1.0] * 3, *[0.0] * 6) if factors is None else factors
+    return drift(speed, 0.0, *ship, -1.0, 0.0, form, 3.0, bearing, *factors, *tables)
 
 
 @given(st.floats(1.0, 179.0))
@@ -72,6 +73,20 @@ def test_the_table_pushes_along_the_waves(table):
     assert max(X) < 0
     assert push(1, 90.0, table)[1] < -0.15 * abs(push(0, 90.0, None)[1])
     assert push(1, 180.0, table)[1] == pytest.approx(0.0, abs=1.0)
+
+
+@given(st.floats(-179.0, 179.0))
+def test_a_factor_goes_with_the_angle_by_its_harmonics(bearing):
+    """Alike from both sides: at 60° cos γ is 1/2 and cos 2γ -1/2."""
+    factors = (1.0, 0.9, 0.8, 0.3, 0.2, 0.1, -0.2, 0.4, 0.5)
+    c = math.cos(math.radians(bearing))
+    wanted = [
+        force * (at + first * c + second * (2 * c * c - 1))
+        for force, at, first, second in zip(
+            push(1, bearing, TABLES), factors[:3], factors[3:6], factors[6:], strict=True
+        )
+    ]
+    np.testing.assert_allclose(push(1, bearing, TABLES, factors=factors), wanted, rtol=1e-9)
 
 
 def centre(track):

@@ -6,8 +6,9 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.identification.trials.evaluate import said
-from pmmkit.imo import Condition
-from pmmkit.imo.conditions import beaufort
+from pmmkit.imo import Condition, simulated_conditions
+from pmmkit.imo.conditions import SIMULATED, beaufort
+from pmmkit.models import Part
 from pmmkit.simulation import Track
 from pmmkit.views import form_of_model
 
@@ -89,3 +90,39 @@ def test_verdicts_and_form_of_a_model_tell_the_same_conditions():
     for verdict in verdicts:
         assert {item.words for item in missed} <= set(verdict.conditions)
         assert Track.NO_BOTTOM in verdict.conditions
+
+
+def in_a_sea(height):
+    """S175 with a sea of her own, whose table is a wall's."""
+    part = Part(effect="wave_drift", values={"Hs": height, "from_deg": 0.0})
+    model = pk.load_model("s175-3dof")
+    return model.with_(parts={**model.parts, "wave_drift": part})
+
+
+def test_a_sea_that_the_ship_sails_in_stands_in_the_form():
+    """WMO 3700: 4.5 m is state 6, of which the standard permits 4; a ship with waves of her own
+    was said to sail in none."""
+    model = in_a_sea(4.5)
+    found = {item.name: item for item in simulated_conditions(model, 8.0)}
+    assert found["sea_state"].shown == "6, Hs 4.5 m, lever held"
+    assert found["sea_state"].met is False
+    verdicts = pk.imo_verdicts(model, 8.0, n=0, compiled=False)
+    assert found["sea_state"].words in verdicts[0].conditions
+    form = form_of_model(model, verdicts, speed=8.0)
+    assert "6, Hs 4.5 m, lever held" in {item.shown for item in form.conditions}
+
+
+def test_what_was_asked_of_the_simulation_stands_beside_the_standard():
+    found = {
+        item.name: item
+        for item in simulated_conditions(
+            in_a_sea(4.5), 8.0, wave_height=2.0, wind_speed=12.0, current_speed=0.5,
+            revolutions="speed",
+        )
+    }  # fmt: skip
+    assert found["sea_state"].shown == "4, Hs 2 m, speed held"
+    assert found["sea_state"].met
+    assert found["wind"].met is False
+    assert found["current"].met is False
+    calm = {item.name: item for item in simulated_conditions(pk.load_model("kvlcc2"), 8.0)}
+    assert {calm[name].shown for name in ("wind", "sea_state", "current")} == {SIMULATED}

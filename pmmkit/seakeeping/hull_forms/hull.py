@@ -158,8 +158,8 @@ class Hull(Described):
             f"L {self.L:.4g} m, B {breadth:.3g} m, T {self.draught:.3g} m (L/B "
             f"{self.L / breadth:.2f}, B/T {breadth / self.draught:.2f}), stations from x = "
             f"{self.x[0]:.3g} to {self.x[-1]:.3g} m; {found.volume:.5g} m³, CB "
-            f"{found.volume / (self.L * breadth * self.draught):.3f}, LCB {found.xB:.2f} m, LCF "
-            f"{found.xF:.2f} m from midship, KM {found.KM:.3g} m."
+            f"{found.volume / (self.L * breadth * self.draught):.3f}, LCB {found.xB:z.2f} m, LCF "
+            f"{found.xF:z.2f} m from midship, KM {found.KM:.3g} m."
         )
 
     @cached_property

@@ -187,7 +187,7 @@ def form_of_model(
     said, ship = dict(stated or {}), model.ship
     full = said.get("full_load_draught")
     conditions = simulated_conditions(
-        ship, speed, depth=depth, full_speed=said.get("speed_85"), full_draught=full
+        model, speed, depth=depth, full_speed=said.get("speed_85"), full_draught=full
     )
     rudder = min(Criterion.HARD_OVER, model.steering.get("max_deg", Criterion.HARD_OVER))
     revolutions = prepare(model, speed, extrapolate=True).self_propulsion()
