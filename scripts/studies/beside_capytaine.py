@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import sys
 from time import process_time
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -20,50 +20,31 @@ from pmmkit.seakeeping import Hull, read_hull
 from pmmkit.seakeeping.strips import coefficients, strips_of
 
 OMEGA: Final = np.array([0.4, 0.5, 0.6, 0.7, 0.85, 1.0, 1.3])
-ALONG, AROUND = 60, 10
 RHO: Final = 1025.0
 MODES: Final = {"Sway": 1, "Heave": 2, "Roll": 3, "Pitch": 4, "Yaw": 5}
 
 
-def panels(hull: Hull) -> tuple[Array, Array]:
-    """Vertices and faces of the whole hull below the water, x from its centre of buoyancy."""
-    rings = []
-    for contour in hull.contours:
-        along = np.r_[0.0, np.cumsum(np.abs(np.diff(contour)))]
-        places = np.linspace(0.0, along[-1], AROUND + 1)
-        depth, half = (np.interp(places, along, part) for part in (contour.real, contour.imag))
-        rings.append(np.column_stack([half, -depth]))
-    places = np.linspace(hull.x[0], hull.x[-1], ALONG + 1)
-    stack = np.stack(rings)
-    lofted = np.empty((ALONG + 1, AROUND + 1, 2))
-    for point in range(AROUND + 1):
-        for axis in range(2):
-            lofted[:, point, axis] = np.interp(places, hull.x, stack[:, point, axis])
-    x = places - hull.hydrostatics.xB
-    vertices, faces = [], []
-    for side in (1.0, -1.0):
-        start = len(vertices)
-        for i in range(ALONG + 1):
-            vertices += [(x[i], side * y, z) for y, z in lofted[i]]
-        for i in range(ALONG):
-            for j in range(AROUND):
-                a, width = start + i * (AROUND + 1) + j, AROUND + 1
-                square = [a, a + 1, a + width + 1, a + width]
-                faces.append(square if side > 0.0 else square[::-1])
-    return np.array(vertices), np.array(faces)
+def body_of(hull: Hull, across: int = 10) -> Any:
+    """The hull below the water as capytaine takes it, with a lid, x from the centre of buoyancy."""
+    import capytaine
+
+    port = hull.panels(across) - np.array([hull.hydrostatics.xB, 0.0, 0.0])
+    corners = np.concatenate([port, port[:, ::-1] * np.array([1.0, -1.0, 1.0])])
+    mesh = capytaine.Mesh(corners.reshape(-1, 3), np.arange(4 * len(corners)).reshape(-1, 4))
+    mesh = mesh.immersed_part()
+    return capytaine.FloatingBody(
+        mesh=mesh,
+        lid_mesh=mesh.generate_lid(),  # against irregular frequencies
+        dofs=capytaine.rigid_body_dofs(rotation_center=(0.0, 0.0, 0.0)),
+        name=hull.name,
+    )
 
 
 def by_panels(hull: Hull) -> tuple[dict[str, Array], float, int]:
     """Added mass and damping by capytaine, (frequencies, 2), its processor time and panels."""
     import capytaine
 
-    mesh = capytaine.Mesh(*panels(hull)).immersed_part()
-    body = capytaine.FloatingBody(
-        mesh=mesh,
-        lid_mesh=mesh.generate_lid(),  # against irregular frequencies, the first at 1.2 rad/s
-        dofs=capytaine.rigid_body_dofs(rotation_center=(0.0, 0.0, 0.0)),
-        name="hull",
-    )
+    body = body_of(hull)
     begun = process_time()
     solver = capytaine.BEMSolver()
     problems = [
@@ -83,7 +64,7 @@ def by_panels(hull: Hull) -> tuple[dict[str, Array], float, int]:
         )
         for dof in MODES
     }
-    return found, spent, mesh.nb_faces
+    return found, spent, body.mesh.nb_faces
 
 
 def by_strips(hull: Hull) -> tuple[dict[str, Array], float]:
