@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Self
+from typing import Final, Self
 
 from pmmkit.base import DataError
 from pmmkit.seakeeping.hull_forms.hull import Hull
@@ -63,6 +63,9 @@ class Loading:
         kzz: float | None = None,
         roll_damping: float | None = None,
         roll_quadratic: float = 0.0,
+        mass: float | None = None,
+        xG: float | None = None,
+        rho: float = 1025.0,
     ) -> Self:
         """A loading from what is known; the rest is assumed and said.
 
@@ -79,11 +82,23 @@ class Loading:
             Over critical [-]; 0.05 where absent.
         roll_quadratic : float
             What grows with the rate of roll [s/rad].
+        mass, xG : float, optional
+            Displacement [kg] and its centre forward of midship [m] as they are known, against
+            which the sections are held.
+        rho : float
+            Density of the water in which that floats [kg/m³].
 
         Returns
         -------
         Loading
+
+        Raises
+        ------
+        DataError
+            If what is stated contradicts the sections.
         """
+        if wrong := _against(hull, mass, xG, rho):
+            raise DataError(wrong, title="Hull and loading")
         breadth = float(hull.breadths.max())
         KM = hull.hydrostatics.KM
         notes = []
@@ -111,3 +126,33 @@ class Loading:
             roll_quadratic=roll_quadratic,
             notes=tuple(notes),
         )
+
+
+_HEAVIER: Final = 0.03
+"""Share by which a stated displacement may differ from that of the sections."""
+_APART: Final = 0.01
+"""Part of the length by which a stated centre may lie from that of buoyancy on even keel."""
+
+
+def _against(hull: Hull, mass: float | None, xG: float | None, rho: float) -> list[str]:
+    """What contradicts the sections, with what it may be."""
+    found, still = [], hull.hydrostatics
+    if mass is not None:
+        share = mass / (rho * still.volume)
+        if abs(share - 1) > _HEAVIER:
+            why = (
+                " Are these whole breadths in place of half ones?"
+                if abs(share - 0.5) < 0.03
+                else ""
+            )
+            found.append(
+                f"The sections displace {rho * still.volume / 1e3:.5g} t, "
+                f"not {mass / 1e3:.5g} t as stated.{why}"
+            )
+    if xG is not None and abs(xG - still.xB) > _APART * hull.L:
+        why = " Does x count positive aft?" if abs(xG + still.xB) < _APART * hull.L else ""
+        found.append(
+            f"The centre of buoyancy of the sections lies {still.xB:.2f} m forward of midship, not "
+            f"{xG:.2f} m as stated.{why}"
+        )
+    return found

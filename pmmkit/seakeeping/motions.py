@@ -207,8 +207,8 @@ def _axes(
     wrong = []
     if not np.isfinite(U).all() or (U < 0.0).any():
         wrong.append("Speeds must be finite and not below zero [m/s].")
-    if not np.isfinite(beta).all():
-        wrong.append("Headings must be finite [deg].")
+    if not (np.abs(beta) <= 2 * np.pi + 1e-9).all():
+        wrong.append("Headings must lie between -360 and 360 deg.")
     if not np.isfinite(w).all() or (w <= 0.0).any() or (np.diff(w) <= 0.0).any():
         wrong.append("Frequencies must be positive and rising [rad/s].")
     if wrong:

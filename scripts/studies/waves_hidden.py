@@ -1,13 +1,16 @@
 """Waves hidden among wind and current in free-running records, as docs/evidence.md quotes it.
 
     python -m scripts.studies.waves_hidden
+    python -m scripts.studies.waves_hidden wrong 6
 
 The tank's own S175, whose waves are walls that reflect, sails two turns and two zigzags; the model
-that is asked has strip theory's table of drift, which waits.
+that is asked has strip theory's table of drift, which waits. Asked for what is ``wrong`` its X is
+off by two and its N by five, either way, at as many seeds.
 """
 
 from __future__ import annotations
 
+import sys
 from time import process_time
 
 import numpy as np
@@ -33,14 +36,38 @@ CASES = (
 )
 
 
-def main() -> None:
-    """Print what is named in each case, and by which sizes."""
+WRONG = {"too large": {"DX": 2.0, "DN": 5.0}, "too small": {"DX": 0.5, "DN": 0.2}}
+"""Tables that are off, by what."""
+
+
+def table() -> dict[str, tuple[float, ...]]:
+    """Strip theory's table of drift of the sea."""
     hull = thinned(pk.load_hull("s175"))
     waves = pk.sea("bretschneider", Hs=HEIGHT, Tp=PERIOD)
     headings = np.arange(0, 181, 15)
     omega = frequencies(hull.L, waves)
     found = pk.rao(hull, speeds=8.5, headings_deg=headings, omega=omega)
-    model = with_table(SHIP, drift_table(found, waves))
+    return drift_table(found, waves)
+
+
+def wrong(seeds: int) -> None:
+    """Print what is named by tables that are off, at several seeds."""
+    for name, off in WRONG.items():
+        values = table()
+        values |= {force: tuple(by * x for x in values[force]) for force, by in off.items()}
+        model = with_table(SHIP, values)
+        for case, hidden, _ in (CASES[0], CASES[3], CASES[-2]):
+            for seed in range(seeds):
+                records = sailed(hidden, seed=seed)
+                told = diagnose_free(model, records, candidates=RIVALS, sensors=NOISE, most=3)
+                named = [f"{', '.join(effects)} ({odds:.3f})" for effects, odds in told.group]
+                said = f"{'; '.join(named) or 'nothing'} [{told.verdict}]"
+                print(f"{name}, {case}, seed {seed}: {said}", flush=True)
+
+
+def main() -> None:
+    """Print what is named in each case, and by which sizes."""
+    model = with_table(SHIP, table())
     for name, hidden, one_side in CASES:
         records = sailed(hidden, one_side=one_side)
         begun = process_time()
@@ -57,4 +84,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    if sys.argv[1:2] == ["wrong"]:
+        wrong(int(sys.argv[2]))
+    else:
+        main()

@@ -66,10 +66,12 @@ def orders(count: int, *, one_side: bool) -> list[Order]:
     ]
 
 
-def sailed(hidden: Hidden, count: int = 3, *, one_side: bool = False) -> list[FreeRecord]:
+def sailed(
+    hidden: Hidden, count: int = 3, *, one_side: bool = False, seed: int = 0
+) -> list[FreeRecord]:
     """Records of the tank's own container ship, whose roll does nothing to her; the sea that they
     state acts as is hidden."""
-    rng, found = np.random.default_rng(0), []
+    rng, found = np.random.default_rng(seed), []
     ship = Container(replace(hidden, heel=0.0))
     for number, run in enumerate(sail(ship, orders(count, one_side=one_side), STEP)):
         seen = recorded(run, hidden, FLEET.noise, EVERY, rng)

@@ -298,7 +298,7 @@ def test_motions_say_how_the_hull_floats():
         ("x,y,z\n0,1,two\n0,1,nan\n", "2 problems"),
         ("x,y,z\n0,1,0\n0,1,9\n", "11 or more"),
         ("x,y,z\n" + "".join(f"{x},0,0\n{x},5,3\n" for x in X), "below the water"),
-        ("x,y,z\n" + "".join(f"{x},0,4\n{x},5,3\n{x},5,9\n" for x in X), "goes down again"),
+        ("x,y,z\n" + "".join(f"{x},0,1\n{x},5,0\n{x},5,9\n" for x in X), "goes down again"),
         ("x,y,z\n" + "".join(f"{x},-1,0\n{x},5,9\n" for x in X), "below zero"),
         ("x,y,z\n" + "".join(f"{x},3,0\n{x},0,4\n{x},0,9\n" for x in X), "closed below"),
     ],
@@ -364,3 +364,42 @@ def test_a_bulb_under_a_neck_is_a_lewis_form_of_its_area_and_the_note_says_so():
     found = fit_sections([contour], ["it"])
     assert area(found.maps)[0] == pytest.approx(-2 * np.trapezoid(contour.imag, contour.real))
     assert "necked above a bulb" in found.notes[0]
+
+
+def as_offsets(file, across=1.0, along=1.0, up=0.0):
+    """S175 as a table of offsets, in somebody's frame."""
+    ship = load_hull("s175-design")
+    rows = [
+        f"{along * x},{across * point.imag},{up + 9.5 - point.real}"
+        for x, contour in zip(ship.x, ship.contours, strict=True)
+        for point in contour
+    ]
+    file.write_text("\n".join(["x,y,z", *rows]))
+    return file
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"across": 2.0}, r"displace 49306 t, not 24653 t as stated\. Are these whole breadths"),
+        ({"across": 1.1}, r"displace 27118 t, not 24653 t as stated\.$"),
+        ({"along": -1.0}, r"lies 2\.63 m forward of midship, not -2\.63 m.*positive aft"),
+    ],
+)
+def test_sections_that_contradict_the_loading_are_refused(given, says, tmp_path):
+    hull = read_hull(as_offsets(tmp_path / "s175.csv", **given), draught=9.5, L=175.0)
+    with pytest.raises(DataError, match=says):
+        Loading.of(hull, mass=24653e3, xG=-2.63)
+
+
+def test_heights_may_count_from_the_water(tmp_path):
+    hull = read_hull(as_offsets(tmp_path / "s175.csv", up=-9.5), draught=9.5, L=175.0)
+    assert hull.hydrostatics.volume == pytest.approx(24052, rel=1e-3)
+    Loading.of(hull, mass=24653e3, xG=-2.63)
+
+
+def test_what_is_wrong_with_every_station_is_said_once(tmp_path):
+    with pytest.raises(DataError) as told:
+        read_hull(as_offsets(tmp_path / "s175.csv", across=-1.0), draught=9.5, L=175.0)
+    assert "41 stations, x = -86.625 to 86.625 m: half breadths lie below zero." in str(told.value)
+    assert "problems" not in str(told.value)

@@ -123,6 +123,10 @@ class LoadingSettings:
         "sections too.",
         default=None,
     )
+    displacement: float | None = setting(
+        "Displacement in sea water [t], against which the sections are held.", default=None
+    )
+    lcg: float | None = setting("Centre of gravity forward of midship [m], likewise.", default=None)
     gm: float | None = setting("Metacentric height [m].", default=None)
     gyration: str | None = setting("Radii of gyration roll,pitch,yaw [m].", default=None)
     roll_damping: float | None = setting(
@@ -239,6 +243,8 @@ def _read(job: SeakeepingSettings) -> Rao:
         "--omega": job.omega,
         "--bilge-keels": job.hull.bilge_keels,
         "--roll-damping": job.hull.roll_damping,
+        "--displacement": job.hull.displacement,
+        "--lcg": job.hull.lcg,
         "--record": job.records.record or None,
     }
     if typed := [name for name, value in asked.items() if value is not None]:
@@ -258,7 +264,11 @@ def _computed(
     radii = numbers(job.hull.gyration) or ()
     if len(radii) not in (0, 3):
         raise SettingError(f"--gyration {job.hull.gyration!r}: write roll,pitch,yaw in m.")
-    given = dict(zip(("kxx", "kyy", "kzz"), radii, strict=False))
+    given: dict[str, Any] = {
+        **dict(zip(("kxx", "kyy", "kzz"), radii, strict=False)),
+        "mass": job.hull.displacement and 1e3 * job.hull.displacement,
+        "xG": job.hull.lcg,
+    }
     loading = Loading.of(hull, GM=job.hull.gm, roll_damping=job.hull.roll_damping, **given)
     courses = numbers(job.headings) or (180.0,)
     paces = typed_speeds(job.speeds or "0", hull.L)

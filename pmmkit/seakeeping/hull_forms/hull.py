@@ -49,26 +49,27 @@ class Station:
         return np.asarray(draught - z + 1j * y)
 
     def problems(self, draught: float) -> list[str]:
-        """What is wrong with the offsets, in sentences."""
-        where = f"Station x = {self.x:g} m"
+        """What is wrong with the offsets, said of one station or of several."""
         if self.y.shape != self.z.shape or self.y.ndim != 1 or self.y.size < 2:
-            return [f"{where} needs as many half breadths as heights, two or more."]
+            return ["as many half breadths as heights are needed, two or more."]
         if not (np.isfinite(self.y).all() and np.isfinite(self.z).all() and math.isfinite(self.x)):
-            return [f"{where} has numbers that are not finite."]
+            return ["numbers are not finite."]
         found = []
         if (self.y < 0.0).any():
-            found.append(f"{where} has half breadths below zero.")
+            found.append("half breadths lie below zero.")
         if (np.diff(self.z) < 0.0).any():
             found.append(
-                f"{where} goes down again: give heights from the keel upward (a tunnel or a "
+                "the section goes down again: give heights from the keel upward (a tunnel or a "
                 "section of two parts is beyond this description)."
             )
         if self.z[-1] < draught - 1e-9:
-            found.append(f"{where} ends {draught - self.z[-1]:.3g} m below the water.")
+            found.append(f"the section ends {draught - self.z[-1]:.3g} m below the water.")
         elif self.z[0] >= draught:
-            found.append(f"{where} lies above the water: leave it out.")
+            found.append("the section lies above the water: leave it out.")
         elif not found and self.contour(draught)[-1].imag <= 0.0:
-            found.append(f"{where} is closed below the water: only sections that reach it count.")
+            found.append(
+                "the section is closed below the water: only sections that reach it count."
+            )
         return found
 
 
@@ -102,7 +103,11 @@ class Hull(Described):
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        found = [text for station in self.stations for text in station.problems(self.draught)]
+        wrong: dict[str, list[float]] = {}
+        for station in self.stations:
+            for text in station.problems(self.draught):
+                wrong.setdefault(text, []).append(station.x)
+        found = [f"{_places(x)}: {text}" for text, x in wrong.items()]
         if len(self.stations) < FEWEST:
             found.append(f"{len(self.stations)} stations are given; {FEWEST} or more are needed.")
         if (np.diff(self.x) <= 0.0).any():
@@ -287,6 +292,13 @@ class Hull(Described):
             Section(tables=[Grid(head=["", "value"], groups=[Group(rows=rows)])]),
             *([Section(title="Notes", points=self.notes)] if self.notes else []),
         ]
+
+
+def _places(x: Sequence[float]) -> str:
+    """One station, or several."""
+    if len(x) == 1:
+        return f"Station x = {x[0]:g} m"
+    return f"{len(x)} stations, x = {min(x):g} to {max(x):g} m"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -27,6 +27,25 @@ def is_mesh(path: Path) -> bool:
     return path.suffix.lower() in (".gdf", ".stl")
 
 
+def above_base(lowest: float, draught: float, path: Path) -> float:
+    """What heights of a file need to count from the base line [m]: they may count from the water.
+
+    A DataError is raised where the keel is at neither.
+    """
+    if abs(lowest + draught) < 0.1 * draught:
+        return draught
+    if abs(lowest) > 0.1 * draught:
+        raise DataError(
+            Problem(
+                message=f"reaches down to z = {lowest:g} m, at a draught of {draught:g} m",
+                file=str(path),
+                remedy="Let z count from the water (the keel at minus the draught) or from the "
+                "base line (the keel at zero), upward, in metres.",
+            )
+        )
+    return 0.0
+
+
 def mesh_stations(path: Path, draught: float) -> tuple[list[Station], float]:
     """Stations of a mesh, from aft to forward, and its length [m].
 
@@ -37,17 +56,7 @@ def mesh_stations(path: Path, draught: float) -> tuple[list[Station], float]:
         raise DataError(Problem(message="holds no panels of finite numbers", file=str(path)))
     x, z = triangles[..., 0], triangles[..., 2]
     length, lowest = float(np.ptp(x)), float(z.min())
-    if abs(lowest + draught) < 0.1 * draught:
-        triangles = triangles + np.array([0.0, 0.0, draught])
-    elif abs(lowest) > 0.1 * draught:
-        raise DataError(
-            Problem(
-                message=f"reaches down to z = {lowest:g} m, at a draught of {draught:g} m",
-                file=str(path),
-                remedy="Let z count from the water (the keel at minus the draught) or from the "
-                "base line (the keel at zero), in metres.",
-            )
-        )
+    triangles = triangles + np.array([0.0, 0.0, above_base(lowest, draught, path)])
     # one side: a half mesh may be that of port or of starboard
     side = triangles[..., 1].mean(axis=1)
     half = triangles[side >= 0.0] if (side > 0.0).sum() >= (side < 0.0).sum() else None

@@ -14,7 +14,7 @@ import numpy as np
 
 from pmmkit.base import DataError, Problem
 from pmmkit.seakeeping.hull_forms.hull import Hull, Station
-from pmmkit.seakeeping.hull_forms.meshes import is_mesh, mesh_stations
+from pmmkit.seakeeping.hull_forms.meshes import above_base, is_mesh, mesh_stations
 from pmmkit.seakeeping.hull_forms.particulars import lewis_station
 
 _POINTS: Final = ("x", "y", "z")
@@ -32,10 +32,10 @@ def read_hull(path: str | Path, *, draught: float, L: float | None = None) -> Hu
     ----------
     path : path
         ``.csv`` with columns x, y, z (x forward of midship, half breadth, height above the base
-        line, from the keel upward) or x, breadth, draught, area (then Lewis forms); ``.mgf`` as
-        ShipX and VERES write it (x aft of midship, from the deck downward); a mesh, ``.gdf`` of
-        WAMIT (panels of low order) or ``.stl``, x forward of midship, heights above the water or
-        the base line.
+        line or the water, from the keel upward) or x, breadth, draught, area (then Lewis forms);
+        ``.mgf`` as ShipX and VERES write it (x aft of midship, from the deck downward); a mesh,
+        ``.gdf`` of WAMIT (panels of low order) or ``.stl``, x forward of midship, heights above
+        the water or the base line.
     draught : float
         [m].
     L : float, optional
@@ -87,6 +87,8 @@ def _from_csv(text: str, path: Path, draught: float, L: float) -> Hull:
     if head == _CURVES:
         stations = [lewis_station(x, b, T, area, draught) for x, b, T, area in sorted(numbers)]
     else:
+        up = above_base(min((row[2] for row in numbers), default=0.0), draught, path)
+        numbers = [[x, y, z + up] for x, y, z in numbers]
         stations = [
             Station(x=x, y=np.array([r[1] for r in part]), z=np.array([r[2] for r in part]))
             for x, part in ((x, list(rows)) for x, rows in groupby(numbers, key=lambda r: r[0]))
@@ -108,8 +110,9 @@ def _numbers(
     return found
 
 
-STEP: Final = 1e-4
-"""Part of the draught by which heights may step down: a tenth of a millimetre of a drawing."""
+STEP: Final = 5e-4
+"""Part of the draught by which heights may step down: the keel of ShipX's own supply ship does by
+2e-4."""
 
 
 LEADING: Final = 0.005
