@@ -61,7 +61,7 @@ def wrong(seeds: int) -> None:
                 records = sailed(hidden, seed=seed)
                 told = diagnose_free(model, records, candidates=RIVALS, sensors=NOISE, most=3)
                 named = [f"{', '.join(effects)} ({odds:.3f})" for effects, odds in told.group]
-                said = f"{'; '.join(named) or 'nothing'} [{told.verdict}]"
+                said = f"{'; '.join(named) or 'nothing'} [{told.verdict}] {', '.join(told.flags)}"
                 print(f"{name}, {case}, seed {seed}: {said}", flush=True)
 
 
