@@ -129,6 +129,12 @@ def _lines(
     path.write_text(head + "\n" + body.replace(".", decimal), encoding="utf-8", newline="")
 
 
+def _tecplot(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:
+    names = ", ".join(f'"{name}"' for name in columns)
+    head = f'TITLE = "damage"\nVARIABLES = {names}\nZONE T="SD", I={ROWS}, F=POINT'
+    _lines(path, head, columns, " ", form="{:14.6f}")
+
+
 def _foam_nested(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     head = (
@@ -238,6 +244,13 @@ FORMATS = Registry(
             write=_foam_flat,
             entry='source = { format = "openfoam" }',
             damaged=FOAM + "force.dat",
+            text=True,
+        ),
+        Format(
+            name="tecplot",
+            file="a.plt",
+            entry='source = { format = "tecplot" }',
+            write=_tecplot,
             text=True,
         ),
         Format(name="excel", file="a.xlsx", entry="", write=_excel),
@@ -418,6 +431,7 @@ def tried(name: str, kind: str, seeds: Sequence[int]) -> list[str]:
     form = FORMATS[name]
     with tempfile.TemporaryDirectory() as place:
         good = good_folder(form, Path(place) / "good")
+        outcome(form, Path(place) / "good", "none")  # imports take their memory once
         if outcome(form, Path(place) / "good", "none") != "right":
             raise AssertionError(f"The good file of {name} is not read right.")
         found = []

@@ -1,5 +1,5 @@
-"""Six laboratories with habits of their own: pounds and feet, numbered LabVIEW files with a list
-of the tests, monitors of a computation, one HDF5 file, one MATLAB file of structs, one text.
+"""Laboratories with habits of their own: pounds and feet, numbered LabVIEW files with a list of the
+tests, monitors of a computation, one HDF5 file, one MATLAB file of structs, one text, Tecplot.
 
 The files and the truth share no code with the package (`scripts.datasets.strangers`).
 """

@@ -80,6 +80,8 @@ def facts_of(name: str) -> RunFacts:
     >>> found = facts_of("KCS/SD_U1.5_b+08")
     >>> found.test, found.settings["speed"], found.settings["drift_deg"]
     ('static_drift', (1.5, 'U1.5'), (8.0, 'b+08'))
+    >>> facts_of("pure yaw T=9 s psi0=8.275 deg").settings["yaw_amplitude_deg"]
+    (8.275, 'psi8.275deg')
     >>> facts_of("PS_U1.0_v0.08").hints
     {'v_amplitude': (0.08, 'v0.08, if it is the sway velocity over U')}
     """
@@ -123,7 +125,8 @@ def _alone(test: str | None, tokens: Sequence[str]) -> Iterator[tuple[str, tuple
 
 def _tokens(part: str) -> list[str]:
     """Parts of a name between separators, a word joined with the number that follows it."""
-    part = re.sub(rf"(?<=[A-Za-zβδψφ])\s*=\s*(?={_NUMBER})", "", part)
+    # an amplitude is y0, psi0 …
+    part = re.sub(rf"(?<=[A-Za-zβδψφ])0?\s*=\s*(?={_NUMBER})", "", part)
     part = _LETTERED.sub(lambda found: found[1] + {"m": "-", "p": "+"}[found[2].lower()], part)
     part = re.sub(r"(?<=\d)\s(?=(?:deg|°|mm|m|s)(?![A-Za-z]))", "", part)
     parts = re.split(r"(?:[_\s;=()\[\]]|(?<!\d),|,(?!\d))+|(?<=[A-Za-z\d])-(?=[A-Za-z])", part)

@@ -1,4 +1,4 @@
-"""Six more laboratories, each with its own habits of files, names, units and axes.
+"""Eight more laboratories, each with its own habits of files, names, units and axes.
 
 All but the computation begin at rest, gather way, and weigh the model's inertia with the water's
 force; the speed of the carriage is recorded.
@@ -10,7 +10,7 @@ import csv
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -247,6 +247,52 @@ def one_text(folder: Path, *, seed: int = 16) -> None:
             rows.writerows([number, *(f"{x:.5f}" for x in row)] for row in table)
 
 
+def _zone(stream: TextIO, read: Record, title: str) -> None:
+    """A record as a zone of Tecplot, by points."""
+    table = np.column_stack([values for _, values, _ in _channels(read)])
+    kinds = " ".join("SINGLE" for _ in table[0])
+    stream.write(f'ZONE T="{title}"\n I={len(table)}, J=1, K=1, F=POINT\n DT=({kinds} )\n')
+    np.savetxt(stream, table, fmt="%15.6E")
+
+
+def _variables(read: Record) -> str:
+    names = "\n".join(f'"{name} ({unit})"' for name, _, unit in _channels(read))
+    return f"VARIABLES = {names}\n"
+
+
+def _told(order: Order) -> str:
+    """What a test was set to, in its title."""
+    form = {
+        "drift": "static drift beta={beta:g} deg",
+        "sway": "pure sway T={T:g} s ymax={a:g} m",
+        "yaw": "pure yaw T={T:g} s psi0={psi:.4g} deg",
+    }[order.kind]
+    return form.format(**order.set_to)
+
+
+def tecplot(folder: Path, *, seed: int = 17) -> None:
+    """Tecplot's text, a file a run with a number for a name: the title says what it was set to."""
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(seed)
+    for number, order in enumerate(programme(), start=1):
+        read = recorded(order, rng)
+        with (folder / f"run{number:02d}.dat").open("w", encoding="utf-8") as stream:
+            stream.write(f'TITLE = "{_told(order)}, U={SPEED} m/s"\n{_variables(read)}')
+            _zone(stream, read, f"run {number}")
+
+
+def zones(folder: Path, *, seed: int = 18) -> None:
+    """One file of Tecplot with a zone for each run."""
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(seed)
+    with (folder / "tests.plt").open("w", encoding="utf-8") as stream:
+        for number, order in enumerate(programme(), start=1):
+            read = recorded(order, rng)
+            if number == 1:
+                stream.write(f'TITLE = "PMM tests of a coaster"\n{_variables(read)}')
+            _zone(stream, read, _told(order))
+
+
 HOUSES = {
     "pounds": pounds,
     "listed_tdms": listed_tdms,
@@ -254,5 +300,7 @@ HOUSES = {
     "one_hdf5": one_hdf5,
     "structs": structs,
     "one_text": one_text,
+    "tecplot": tecplot,
+    "zones": zones,
 }
 """Folders of the coaster's tests, each by its writer."""
