@@ -35,7 +35,8 @@ class Suggestion:
     `name`: our name of it: a channel, and in a table a setting or a part of a harmonic.
     `certainty`: by its exact name; by a usual name; by its unit or its numbers. `unit`: unit
     that must be stated because the header does not say it and the numbers do. `scale`: factor
-    that must be stated, -1 for a drag.
+    that must be stated, -1 for a drag. `of_period`: of a time, whether it counts in periods, which
+    each run has of its own.
     """
 
     name: str
@@ -43,6 +44,7 @@ class Suggestion:
     reason: str
     unit: str | None = None
     scale: float = 1.0
+    of_period: bool = False
 
 
 def suggest(
@@ -181,7 +183,15 @@ def _by_name(
     if rate is not None and unit and _fits(f"{rate[1]}dot", unit, table=False):
         why = f"{plain!r} in {unit}"
         return Suggestion(name=f"{rate[1]}dot", certainty="probably", reason=why)
+    if not table and _OF_PERIOD.fullmatch(plain) and unit in WITHOUT:
+        why = f"{plain!r} is time over the period"
+        return Suggestion(name="t", certainty="probably", reason=why, unit="s", of_period=True)
     exact = re.sub(r"'(?=$|_)", "", plain)
+    if not table and exact != plain and unit in WITHOUT:
+        # over ½ρU² and powers of a length; of a motion the length and the speed are not known here
+        why = f"{plain!r}, without dimension"
+        force = exact in ("X", "Y", "N", "K")
+        return Suggestion(name=exact, certainty="probably", reason=why) if force else None
     if _known(exact, table=table) and _fits(exact, unit, table=table):
         return Suggestion(name=exact, certainty="surely", reason="its exact name")
     part = _HARMONIC.fullmatch(plain) if table else None
@@ -433,5 +443,8 @@ _HARMONIC: Final = re.compile(
     r"(?P<channel>[XYNKTQ]|R[XYxy])_?(?P<part>(?P<mean>mean|std)|sin|cos|in|out)_?(?P<order>[1-9]?)'?"
 )
 _RATE: Final = re.compile(r"([uvrp])'")
+_OF_PERIOD: Final = re.compile(r"[tT] ?/ ?T[0pPe]?")
+WITHOUT: Final = (None, "", "-", "1")
+"""Units of a column that has none."""
 """A rate of change, if its unit is that of one; else a number without dimension."""
 _RUDDER_FORCES: Final = {"RX": "FX_rudder", "RY": "FY_rudder"}

@@ -97,3 +97,44 @@ def test_the_derivatives_hold_the_truth(stated, tmp_path):
 )
 def test_signs_as_letters_and_feet_in_names(name, key, value):
     assert facts_of(name).settings[key][0] == pytest.approx(value)
+
+
+@pytest.fixture
+def mean_cycle(tmp_path):
+    """A drift test with samples in time, and a mean cycle over t/T beside it."""
+    t = np.linspace(0.0, 20.0, 401)
+    steady = np.column_stack([t, *(0.01 * np.sin(7.0 * t + x) - 0.02 for x in range(3))])
+    cycle = np.linspace(0.0, 1.0, 65)
+    swing = np.column_stack([cycle, *(np.sin(2 * np.pi * cycle + x) for x in range(4))])
+    np.savetxt(
+        tmp_path / "SD_U1.2_beta+4.csv", steady, "%.6f", ",", header="t,X',Y',N'", comments=""
+    )
+    return tmp_path, swing
+
+
+def todo_of(folder, capsys):
+    assert main(["new-campaign", str(folder), "--json"]) == 0
+    return json.loads(capsys.readouterr().out)["todo"]
+
+
+def test_a_cycle_over_its_period_needs_the_period(mean_cycle, capsys):
+    folder, swing = mean_cycle
+    head = "t/T,y [m],X',Y',N'"
+    np.savetxt(folder / "PS_U1.2_a0.4m.csv", swing, "%.6f", ",", header=head, comments="")
+    asked = todo_of(folder, capsys)
+    assert any("period [s]" in text and "PS_U1.2_a0.4m" in text for text in asked)
+    assert any("prime-d" in text for text in asked)  # primes are no newtons
+    text = (folder / "campaign.toml").read_text(encoding="utf-8")
+    assert "by which t/T is to be multiplied" in text
+    assert "taken as SI" not in text.replace("its exact name; no unit stated, taken as SI", "")
+
+
+def test_files_that_are_named_as_tests_are_not_dropped_in_silence(mean_cycle, capsys):
+    folder, swing = mean_cycle
+    np.savetxt(
+        folder / "PS_U1.2_T9s_a0.4m.csv", swing, "%.6f", ",", header="a,b,c,d,e", comments=""
+    )
+    np.savetxt(folder / "shape.csv", swing, "%.6f", ",", header="a,b,c,d,e", comments="")
+    (told,) = (text for text in todo_of(folder, capsys) if "Named as tests" in text)
+    assert "PS_U1.2_T9s_a0.4m.csv" in told
+    assert "shape" not in told

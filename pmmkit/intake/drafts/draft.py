@@ -105,7 +105,7 @@ class Draft:
     `open_water`: file of the propeller's tested curve, empty where there is none or several.
     `proposal`: axes and signs by the physics of all runs; None where they were not asked.
     `saved`: saved campaigns by their files. `unused`: files with numbers that are none of
-    these, and why.
+    these, and why. `named_tests`: those of them that are named as tests.
     """
 
     title: str
@@ -116,6 +116,7 @@ class Draft:
     saved: tuple[tuple[str, Campaign], ...]
     unused: tuple[str, ...]
     look: Look
+    named_tests: tuple[str, ...] = ()
     matrices: tuple[MatrixDraft, ...] = ()
     particulars: Found = field(default_factory=lambda: MappingProxyType({}))
     open_water: str = ""
@@ -190,13 +191,15 @@ def draft_of(
     kept = [run for run, why in zip(runs, left, strict=True) if not why]
     unused = [f"{run.file}: {why}" for run, why in zip(runs, left, strict=True) if why]
     curve = "" if ship else _curve(seen)
-    unused += [
-        f"{base}{item.shown}: {_NOT_RUNS[group.first.kind]}"
+    strange = [
+        (base + item.shown, group.first.kind)
         for group in seen.groups
         if group.first.kind in _NOT_RUNS
         for item in group.files
         if (item.path, item.options) not in listing and item.shown != curve
     ]
+    unused += [f"{shown}: {_NOT_RUNS[what]}" for shown, what in strange]
+    named_tests = [shown for shown, what in strange if what == "unknown" and _named_test(shown)]
     sheets = [str(item.options.sheet) for item in listed if item.options.sheet is not None]
     unused += [line for item in listed for line in (*left_lines(item), *strangers(item, sheets))]
     taken = [run.id for _, campaign in saved for run in campaign]
@@ -209,11 +212,18 @@ def draft_of(
         tables=_named_apart([_over_its_bottom(entry, depths) for entry in tables]),
         saved=tuple(saved),
         unused=tuple(unused),
+        named_tests=tuple(named_tests),
         look=seen,
         matrices=matrices,
         open_water=curve and base + curve,
         particulars=particulars,
     )
+
+
+def _named_test(shown: str) -> bool:
+    """Whether a file without samples is named as a test, with what it was set to."""
+    found = facts_of(_stem(shown.partition(", ")[0]))
+    return found.test is not None and bool(found.settings)
 
 
 def _curve(seen: Look) -> str:
@@ -353,7 +363,8 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
     sizes: dict[str, float] = {}
     for item in group.files:
         named, headed = facts_of(_name(item)), facts_of_header(item.lines_above)
-        columns = {**wanted, "t": clock, **({} if drift is None else {"drift": drift})}
+        here, own, asked = _in_seconds(clock, named, headed)
+        columns = {**wanted, "t": here, **({} if drift is None else {"drift": drift})}
         channels, problems = _channels(
             replace(
                 group.first,
@@ -364,7 +375,7 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
             ),
             columns,
         )
-        time = channels.pop("t", np.zeros(0))
+        time = channels.pop("t", np.zeros(0)) if not asked else np.zeros(0)
         channels = on_plane(time, channels)
         for name, numbers in channels.items():
             sizes[name] = max(sizes.get(name, 0.0), _size(numbers))
@@ -380,6 +391,7 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
         settings = settled(test, named, moved, headed, length=length)
         if rest and motion is None and _phase_unknown(test, channels):
             settings = (*settings, _PHASE)
+        settings = (*(x for x in settings if x.key not in {y.key for y in asked}), *asked)
         drafts.append(
             RunDraft(
                 id=PurePosixPath(_name(item)).name,
@@ -395,12 +407,30 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
                 motion=motion,
                 notes=READERS[item.format].prescribed(item.request)[1],
                 computation=_computation(item, test),
+                columns=own,
                 rest=rest,
                 turned=moved.turned,
             )
         )
     told_by_all = _by_sizes(group, sizes)
     return drafts if told_by_all == group else _runs(told_by_all, base, length)
+
+
+def _in_seconds(
+    clock: ColumnLook, named: RunFacts, headed: RunFacts
+) -> tuple[ColumnLook, dict[str, Any], tuple[RunKey, ...]]:
+    """The column of time of a run, what the run must say of it, and what is asked: a time that
+    counts in periods needs the period of each."""
+    if clock.suggestion is None or not clock.suggestion.of_period:
+        return clock, {}, ()
+    told = named.settings.get("period") or headed.settings.get("period")
+    period = None if told is None else told[0]
+    if period is None:
+        shown = f'columns = {{ t = {{ name = "{clock.title}", unit = "s", scale = … }} }}'
+        todo = f"period [s], by which {clock.title} is to be multiplied: {shown}"
+        return clock, {}, (RunKey(key="period", value=None, todo=todo, active=False),)
+    own = {"t": {"name": clock.title, "unit": "s", "scale": period}}
+    return replace(clock, suggestion=replace(clock.suggestion, scale=period)), own, ()
 
 
 def _size(numbers: Array) -> float:

@@ -22,6 +22,7 @@ from pmmkit.intake.drafts.conventions import Proposal
 from pmmkit.intake.drafts.draft import RunDraft
 from pmmkit.intake.drafts.matrix import MatrixDraft, where_line
 from pmmkit.intake.drafts.names import RunKey, asked_of
+from pmmkit.intake.guessing import WITHOUT
 from pmmkit.intake.seen import FileLook
 from pmmkit.presentation import printable
 from pmmkit.readers import READERS
@@ -211,13 +212,13 @@ def _without(
 
 
 def default_lines(
-    common: Shared, tables: Sequence[RunDraft], computed: Computed, todo: Todo
+    common: Shared, entries: Sequence[RunDraft], computed: Computed, todo: Todo
 ) -> list[str]:
     """What runs have in common, and what is asked for all of them at once."""
     every, of_kind = common
     tests = dict.fromkeys([*of_kind, *computed.of_kind])
     lines: list[str] = []
-    guessed = guessed_source(tables)
+    guessed = guessed_source(entries)
     for key in guessed:
         todo.add(f"{key}: {_ASKED_OF_TABLES[key]}")
     for name, items, cfd in (
@@ -239,7 +240,7 @@ def default_lines(
             why = 'their headers have primes; TODO "prime-d" if over ½ρLdU², "bis" if by ∇ and g'
             lines.append(aligned(f"source = {toml(asked)}", why))
         elif asked:
-            lines.append(aligned(f"# source = {toml(asked)}", "TODO of all tables"))
+            lines.append(aligned(f"# source = {toml(asked)}", "TODO of all of them"))
     return lines
 
 
@@ -374,10 +375,10 @@ def _part(entry: RunDraft) -> dict[str, Any]:
 
 
 def guessed_source(entries: Sequence[RunDraft]) -> dict[str, str]:
-    """What tables of non-dimensional forces or of harmonics must say of themselves, as is usual."""
+    """What files of non-dimensional forces or of harmonics must say of themselves, as is usual."""
     guessed = {}
     columns = [column for entry in entries for column in entry.look.columns]
-    if any("'" in column.title and column.unit is None for column in columns):
+    if any("'" in column.title and column.unit in WITHOUT for column in columns):
         guessed["nondimensional"] = "prime"
     if any("_in" in name or "_out" in name for entry in entries for name in entry.look.known):
         guessed["in_phase_with"] = "displacement"
@@ -385,7 +386,7 @@ def guessed_source(entries: Sequence[RunDraft]) -> dict[str, str]:
 
 
 _ASKED_OF_TABLES: Final = {
-    "nondimensional": 'are the forces of the tables "prime", "prime-d" or "bis"?',
+    "nondimensional": 'are the forces "prime", "prime-d" or "bis"?',
     "in_phase_with": "with what are the in-phase parts of the tables: displacement, velocity or "
     "acceleration?",
 }

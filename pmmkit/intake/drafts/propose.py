@@ -168,7 +168,7 @@ def proposed(draft: Draft, target: Path) -> Draft:
     if draft.kind != "captive" or draft.saved:
         return draft
     plain = written(_seen_from_mesh(draft)).text
-    trial = trial_campaign(plain, target, guessed_source(draft.tables))
+    trial = trial_campaign(plain, target, guessed_source((*draft.runs, *draft.tables)))
     if trial is None:
         return draft
     summaries = summaries_of(trial)
@@ -203,7 +203,9 @@ def proposed(draft: Draft, target: Path) -> Draft:
 
 
 def _summaries(draft: Draft, target: Path) -> tuple[Summary, ...]:
-    campaign = trial_campaign(written(draft).text, target, guessed_source(draft.tables))
+    campaign = trial_campaign(
+        written(draft).text, target, guessed_source((*draft.runs, *draft.tables))
+    )
     return () if campaign is None else summaries_of(campaign)
 
 

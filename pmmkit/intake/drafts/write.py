@@ -84,7 +84,7 @@ def written(draft: Draft) -> CampaignText:
         for run in campaign:
             lines += ["", *saved_run_lines(file, run)]
     common, runs, tables = in_common(draft.runs, draft.tables)
-    lines += default_lines(common, tables, computed, todo)
+    lines += default_lines(common, (*draft.runs, *tables), computed, todo)
     for matrix in draft.matrices:
         lines += ["", *matrix_lines(matrix, todo)]
     for entry in runs:
@@ -101,6 +101,11 @@ def written(draft: Draft) -> CampaignText:
     if len({entry.sheet for entry in draft.tables if entry.look.blocks.mixed}) > 1:
         told = all(any(x.key == "depth" for x in entry.settings) for entry in draft.tables)
         todo.add(_DEPTHS if told or "depth" in draft.particulars else _SHEETS)
+    if draft.named_tests:
+        first = ", ".join(draft.named_tests[:_FIRST])
+        left = len(draft.named_tests) - _FIRST
+        more = f" and {left} more" if left > 0 else ""
+        todo.add(f"Named as tests, but not taken, for no column of time is found: {first}{more}.")
     lines += [*_unused(draft), "", "[end]"]
     entries = (
         sum(len(campaign) for _, campaign in draft.saved) + len(draft.runs) + len(draft.tables)
@@ -110,6 +115,7 @@ def written(draft: Draft) -> CampaignText:
     )
 
 
+_FIRST: Final = 4
 _SHEETS: Final = (
     "The runs stand on several sheets. If the water was not as deep for all of them, state depth = "
     "... [m] of each table."

@@ -1,4 +1,4 @@
-"""Eight more laboratories, each with its own habits of files, names, units and axes.
+"""Nine more laboratories, each with its own habits of files, names, units and axes.
 
 All but the computation begin at rest, gather way, and weigh the model's inertia with the water's
 force; the speed of the carriage is recorded.
@@ -14,7 +14,7 @@ from typing import Any, TextIO
 
 import numpy as np
 
-from scripts.datasets.strangers.hulls import TANKER, Array, forces, inertia
+from scripts.datasets.strangers.hulls import RHO, TANKER, Array, forces, inertia
 from scripts.datasets.strangers.motions import Driven, drift, sway, yaw
 
 SPEED = 1.2
@@ -293,6 +293,47 @@ def zones(folder: Path, *, seed: int = 18) -> None:
             _zone(stream, read, _told(order))
 
 
+_HARMONICS = range(1, 7)
+
+
+def phase_averaged(folder: Path, *, seed: int = 19) -> None:
+    """Forces over ½ρU² and powers of the length; of swings the mean cycle, over t/T."""
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(seed)
+    half = 0.5 * RHO * SPEED**2 * TANKER.L**2
+    units = {"X'": ("X", half), "Y'": ("Y", half), "N'": ("N", half * TANKER.L)}
+
+    def cosines(share: Array) -> Array:
+        angle = 2 * np.pi * np.outer(share, _HARMONICS)
+        return np.column_stack([np.ones(len(share)), np.cos(angle), np.sin(angle)])
+
+    cycle = np.linspace(0.0, 1.0, 65)
+    for order in programme():
+        read, own = recorded(order, rng), order.set_to
+        begun = read.t - REST - RAMP
+        told = {
+            "drift": "SD_U{U:.1f}_beta{beta:+g}",
+            "sway": "PS_U{U:.1f}_T{T:g}s_a{a:g}m",
+            "yaw": "PY_U{U:.1f}_T{T:g}s_psi{psi:.2f}deg",
+        }[order.kind].format(U=SPEED, **own)
+        forces = {name: read.forces[key] / unit for name, (key, unit) in units.items()}
+        if order.kind == "drift":
+            steady = begun > 1.0
+            columns = {"t [s]": read.t[steady] - read.t[steady][0]}
+            columns |= {f"{name} [-]": values[steady] for name, values in forces.items()}
+        else:
+            share = begun / own["T"]
+            whole = (share >= 1.0) & (share < 4.0)
+            seen = {"y [m]": read.y, "psi [deg]": np.degrees(read.psi)}
+            seen |= {f"{name} [-]": values for name, values in forces.items()}
+            mean = np.linalg.lstsq(
+                cosines(share[whole]), np.column_stack([x[whole] for x in seen.values()]), rcond=None
+            )[0]
+            columns = {"t/T [-]": cycle}
+            columns |= dict(zip(seen, (cosines(cycle) @ mean).T, strict=True))
+        _table(folder / f"{told}.csv", columns, "%.7f")
+
+
 HOUSES = {
     "pounds": pounds,
     "listed_tdms": listed_tdms,
@@ -302,5 +343,6 @@ HOUSES = {
     "one_text": one_text,
     "tecplot": tecplot,
     "zones": zones,
+    "phase_averaged": phase_averaged,
 }
 """Folders of the coaster's tests, each by its writer."""
