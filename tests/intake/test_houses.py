@@ -131,10 +131,11 @@ def test_a_cycle_over_its_period_needs_the_period(mean_cycle, capsys):
 
 def test_files_that_are_named_as_tests_are_not_dropped_in_silence(mean_cycle, capsys):
     folder, swing = mean_cycle
+    swing = np.random.default_rng(1).normal(size=swing.shape)
     np.savetxt(
-        folder / "PS_U1.2_T9s_a0.4m.csv", swing, "%.6f", ",", header="a,b,c,d,e", comments=""
+        folder / "PS_U1.2_T9s_a0.4m.csv", swing, "%.6f", ",", header="K1,K2,K3,K4,K5", comments=""
     )
-    np.savetxt(folder / "shape.csv", swing, "%.6f", ",", header="a,b,c,d,e", comments="")
+    np.savetxt(folder / "shape.csv", swing, "%.6f", ",", header="K1,K2,K3,K4,K5", comments="")
     (told,) = (text for text in todo_of(folder, capsys) if "Named as tests" in text)
     assert "PS_U1.2_T9s_a0.4m.csv" in told
     assert "shape" not in told
