@@ -50,7 +50,8 @@ _OURS: Final = (
             (r"[VvUu]?#(?:kn|kts|knots)", 1852 / 3600),
             (r"[VvUu]?#(?:fps|ft/s)", 0.3048),
         ),
-        header="speed(?: m s)?|v|u|(?:towing )?carriage speed|towing speed|v ?carriage|u ?c",
+        header="speed(?: m s)?|[vu] ?[0o]?|(?:towing )?carriage speed|towing speed|v ?carriage"
+        "|u ?c",
         sensors=(
             Sensor(
                 column="hull speed",
@@ -421,11 +422,11 @@ _OURS: Final = (
     RunSetting(
         name="r_amplitude",
         unit="",
-        meaning="r' of pure yaw, instead of the heading",
-        bounds=NOT_ZERO,
+        meaning="r' of pure yaw, instead of the heading, or of a circle, instead of the rate",
         kept=False,
-        states=("yaw_amplitude",),
+        states=("yaw_amplitude", "yaw_rate"),
         of_swing=("r",),
+        where_needed=True,
         header="r",
     ),
     RunSetting(

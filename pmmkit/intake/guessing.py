@@ -265,6 +265,8 @@ def _by_unit(header: str, unit: str | None, known: set[str]) -> Suggestion | Non
 def _by_shape(header: str, unit: str | None, numbers: Array, position: int) -> Suggestion | None:
     if len(numbers) < 20 or _dimension(unit) not in (None, "s") or len(header) > 24:
         return None
+    if header.strip() and COUNTED.fullmatch(header.strip()):
+        return None
     steps = np.diff(numbers)
     middle = float(np.median(steps))
     if not (np.all(np.isfinite(numbers)) and middle > 0 and np.all(steps > 0)):
@@ -443,6 +445,11 @@ _HARMONIC: Final = re.compile(
     r"(?P<channel>[XYNKTQ]|R[XYxy])_?(?P<part>(?P<mean>mean|std)|sin|cos|in|out)_?(?P<order>[1-9]?)'?"
 )
 _RATE: Final = re.compile(r"([uvrp])'")
+COUNTED: Final = re.compile(
+    r"(?:(?:run|test|case|point|row|versuch|fahrt)[ _]*)?(?:no|nr|num|number|id|#)?\.?",
+    re.IGNORECASE,
+)
+"""A column that numbers the tests."""
 _OF_PERIOD: Final = re.compile(r"[tT] ?/ ?T[0pPe]?")
 WITHOUT: Final = (None, "", "-", "1")
 """Units of a column that has none."""

@@ -16,7 +16,8 @@ from pmmkit.campaigns import open_campaign
 from pmmkit.cli import main
 from pmmkit.intake.drafts.names import facts_of
 from scripts.datasets.strangers.houses import HOUSES, SPEED, programme
-from scripts.datasets.strangers.hulls import TANKER
+from scripts.datasets.strangers.hulls import RHO, TANKER, forces, inertia
+from scripts.datasets.strangers.motions import circle, drift
 from scripts.studies.strangers import filled, held, particulars
 
 QUESTIONS = 4
@@ -139,3 +140,43 @@ def test_files_that_are_named_as_tests_are_not_dropped_in_silence(mean_cycle, ca
     (told,) = (text for text in todo_of(folder, capsys) if "Named as tests" in text)
     assert "PS_U1.2_T9s_a0.4m.csv" in told
     assert "shape" not in told
+
+
+def circular_tests(file):
+    """A table of a rotating arm as laboratories publish it: β, r' and forces over ½ρLdU²."""
+    rng = np.random.default_rng(3)
+    unit = 0.5 * RHO * TANKER.L * TANKER.d * SPEED**2
+    rows = []
+    for turned in (0.0, 0.2, 0.4, 0.6):
+        for beta in (-8, -4, 0, 4, 8, 12, 16):
+            driven = circle(SPEED, TANKER.L / turned, beta) if turned else drift(SPEED, beta)
+            moved = driven(np.zeros(1))
+            water, pull = forces(TANKER, moved), inertia(TANKER, moved)
+            X, Y, N = (
+                (water[key][0] - pull[key][0] + std * rng.standard_normal()) / unit
+                for key, std in (("X", 0.05), ("Y", 0.1), ("N", 0.1))
+            )
+            rows.append((len(rows) + 1, SPEED, beta, turned, X, Y, N / TANKER.L))
+    head = "No.,U0 (m/s),beta (deg),r',X',Y',N'"
+    np.savetxt(file, rows, "%.6g", ",", header=head, comments="")
+
+
+def test_a_published_table_of_circular_tests_is_read(tmp_path, capsys):
+    """Its first column counts the tests and is no time; its yaw rate is r' = rL/U."""
+    folder = tmp_path / "arm"
+    folder.mkdir()
+    circular_tests(folder / "CMT.csv")
+    assert len(todo_of(folder, capsys)) <= QUESTIONS + 1
+    draft = (folder / "campaign.toml").read_text(encoding="utf-8")
+    known = [item for item in particulars(TANKER) if item[0] in draft]
+    system = ('nondimensional = "prime"', 'nondimensional = "prime-d"')
+    balance = ('forces = "hydrodynamic"', 'forces = "balance"')
+    (folder / "campaign.toml").write_text(filled(draft, [*known, system, balance]), "utf-8")
+    campaign = open_campaign(folder)
+    rates = {round(run.settings.turn_rate * TANKER.L / SPEED, 3) for run in campaign}
+    assert rates == {0.0, 0.2, 0.4, 0.6}
+    assert main(["check", str(folder), "--json"]) == 0
+    assert not json.loads(capsys.readouterr().out)["findings"]
+    assert main(["reduce", str(folder), "--out", str(tmp_path / "r"), "--json", "--quiet"]) == 0
+    inside, missed, _ = held(TANKER, tmp_path / "r" / "derivatives.csv")
+    assert (inside + len(missed), len(missed) <= OUTSIDE) == (16, True), missed

@@ -127,6 +127,8 @@ def _uses(kind: TestKind, name: str) -> bool:
     if item.of_swing == ANY:
         return kind.oscillates
     swung = {swing.velocity or swing.displacement for swing in kind.swings}
+    if kind.circles and "yaw_rate" in item.states:
+        return True
     if item.of_swing:
         return bool(swung & set(item.of_swing)) and not swung & set(item.without)
     needed = {item.name, *item.states} & {*kind.needs, *kind.takes}
@@ -171,12 +173,14 @@ def missing_settings(
     words = [RUN_SETTINGS[name].lack for name in missing]
     if kind.sways and kind.yaws and "strut_amplitude_m" in given and "strut_phase_deg" not in given:
         words.append("the lead of the forward strut, strut_phase_deg")
+    if swings and given.get("r_amplitude") == 0.0:
+        words.append("an amplitude: r_amplitude is 0")
     if kind.circles and "r" not in measured:
-        turning = [name for name in ("yaw_rate", "radius") if name in given]
+        turning = [name for name in ("yaw_rate", "radius", "r_amplitude") if name in given]
         if not turning:
             words.append(RUN_SETTINGS["yaw_rate"].lack)
-        elif len(turning) == 2:
-            words.append("only one of yaw_rate and radius, not both")
+        elif len(turning) > 1:
+            words.append(f"only one of {' and '.join(turning)}")
     return words
 
 
@@ -247,6 +251,9 @@ def settings_of(
         rudder = -rudder
         notes.append("rudder angle: stated positive to port, sign changed")
     turning: dict[str, Any] = {name: given.get(name) for name in ("yaw_rate", "radius")}
+    if kind.circles and "r_amplitude" in given:
+        turning["yaw_rate"] = given["r_amplitude"] * speed / length
+        notes.append("yaw rate from the primed one: r' U/L")
     if frame.sign("r") < 0 and any(turning.values()):
         turning = {name: value and -value for name, value in turning.items()}
         notes.append("turn: stated along their axes, sign changed")

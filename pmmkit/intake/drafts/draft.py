@@ -554,6 +554,8 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
         known |= {"speed"}
     if "frequency_hz" in known:
         known |= {"period"}
+    if "r_amplitude" in known:
+        known |= {"yaw_rate"}
     if known & {"v_amplitude", "vdot_amplitude"}:
         known |= {"amplitude_m"}
     if known & {"path_amplitude_m", "r_amplitude", "rdot_amplitude"}:

@@ -22,7 +22,7 @@ from pmmkit.intake.drafts.conventions import Proposal
 from pmmkit.intake.drafts.draft import RunDraft
 from pmmkit.intake.drafts.matrix import MatrixDraft, where_line
 from pmmkit.intake.drafts.names import RunKey, asked_of
-from pmmkit.intake.guessing import WITHOUT
+from pmmkit.intake.guessing import COUNTED, WITHOUT
 from pmmkit.intake.seen import FileLook
 from pmmkit.presentation import printable
 from pmmkit.readers import READERS
@@ -412,7 +412,7 @@ def _told_apart(template: str, look: FileLook) -> str:
 def _id_column(look: FileLook) -> str:
     """Header of a column that tells the rows apart."""
     for column in look.columns:
-        if "run" in column.title.lower() or column.title.lower() in ("no", "no.", "id", "test"):
+        if "run" in column.title.lower() or (column.title and COUNTED.fullmatch(column.title)):
             return column.title
     varied = [column for column in look.columns if not column.constant and column.suggestion]
     keys = ("drift_deg", "rudder_deg", "speed", "heel_deg")
