@@ -187,11 +187,12 @@ def _by_name(
         why = f"{plain!r} is time over the period"
         return Suggestion(name="t", certainty="probably", reason=why, unit="s", of_period=True)
     exact = re.sub(r"'(?=$|_)", "", plain)
-    if not table and exact != plain and unit in WITHOUT:
-        # over ½ρU² and powers of a length; of a motion the length and the speed are not known here
+    told = coefficient(plain) if unit in WITHOUT else None
+    if told is not None and not (table and exact == told[0]):
         why = f"{plain!r}, without dimension"
-        force = exact in ("X", "Y", "N", "K")
-        return Suggestion(name=exact, certainty="probably", reason=why) if force else None
+        return Suggestion(name=told[0], certainty="probably", reason=why, scale=told[1])
+    if not table and exact != plain and unit in WITHOUT:
+        return None  # a motion without dimension: in a record its length and speed are not known
     if _known(exact, table=table) and _fits(exact, unit, table=table):
         return Suggestion(name=exact, certainty="surely", reason="its exact name")
     part = _HARMONIC.fullmatch(plain) if table else None
@@ -445,6 +446,31 @@ _HARMONIC: Final = re.compile(
     r"(?P<channel>[XYNKTQ]|R[XYxy])_?(?P<part>(?P<mean>mean|std)|sin|cos|in|out)_?(?P<order>[1-9]?)'?"
 )
 _RATE: Final = re.compile(r"([uvrp])'")
+_COEFFICIENT: Final = re.compile(
+    r"(?:C_?(?P<c>[XYNKxynk]|[Mm][ZzXx])"
+    r"|(?P<f>F[XYxy]|M[ZXzx]|[XYNK])_?[Hh]?(?:['′*]|[_ ]?(?:prime|nd|nondim))_?[Hh]?)"
+    r"\s*(?:[(\[]\s*-\s*[)\]])?"
+    r"\s*(?:[(\[]?\s*[x×*·]\s*(?:10\^?(?P<power>[2-6])|(?P<thousand>1000|1e3|10³))\s*[)\]]?)?"
+)
+
+
+def coefficient(header: str) -> tuple[str, float] | None:
+    """Our name of a force without dimension, and the factor that its header takes off.
+
+    Examples
+    --------
+    >>> coefficient("CY"), coefficient("X'H"), coefficient("N' (x10^3)"), coefficient("X [N]")
+    (('Y', 1.0), ('X', 1.0), ('N', 0.001), None)
+    """
+    found = _COEFFICIENT.fullmatch(header.strip())
+    if found is None:
+        return None
+    letters = (found["c"] or found["f"]).upper()
+    name = {"MZ": "N", "MX": "K"}.get(letters, letters[-1])
+    power = 3 if found["thousand"] else int(found["power"] or 0)
+    return name, 10.0**-power
+
+
 COUNTED: Final = re.compile(
     r"(?:(?:run|test|case|point|row|versuch|fahrt)[ _]*)?(?:no|nr|num|number|id|#)?\.?",
     re.IGNORECASE,

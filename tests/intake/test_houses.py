@@ -142,7 +142,7 @@ def test_files_that_are_named_as_tests_are_not_dropped_in_silence(mean_cycle, ca
     assert "shape" not in told
 
 
-def circular_tests(file):
+def circular_tests(file, names, factor):
     """A table of a rotating arm as laboratories publish it: β, r' and forces over ½ρLdU²."""
     rng = np.random.default_rng(3)
     unit = 0.5 * RHO * TANKER.L * TANKER.d * SPEED**2
@@ -156,16 +156,25 @@ def circular_tests(file):
                 (water[key][0] - pull[key][0] + std * rng.standard_normal()) / unit
                 for key, std in (("X", 0.05), ("Y", 0.1), ("N", 0.1))
             )
-            rows.append((len(rows) + 1, SPEED, beta, turned, X, Y, N / TANKER.L))
-    head = "No.,U0 (m/s),beta (deg),r',X',Y',N'"
+            told = np.array([X, Y, N / TANKER.L]) * factor
+            rows.append((len(rows) + 1, SPEED, beta, turned, *told))
+    head = f"No.,U0 (m/s),beta (deg),r',{','.join(names)}"
     np.savetxt(file, rows, "%.6g", ",", header=head, comments="")
 
 
-def test_a_published_table_of_circular_tests_is_read(tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("names", "factor"),
+    [
+        (("X'", "Y'", "N'"), 1.0),
+        (("CX", "CY", "CN"), 1.0),
+        (("X'H (x10^3)", "Y'H (x10^3)", "N'H (x10^3)"), 1e3),
+    ],
+)
+def test_a_published_table_of_circular_tests_is_read(names, factor, tmp_path, capsys):
     """Its first column counts the tests and is no time; its yaw rate is r' = rL/U."""
     folder = tmp_path / "arm"
     folder.mkdir()
-    circular_tests(folder / "CMT.csv")
+    circular_tests(folder / "CMT.csv", names, factor)
     assert len(todo_of(folder, capsys)) <= QUESTIONS + 1
     draft = (folder / "campaign.toml").read_text(encoding="utf-8")
     known = [item for item in particulars(TANKER) if item[0] in draft]

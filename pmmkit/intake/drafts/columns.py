@@ -254,7 +254,8 @@ def column_lines(
             continue
         mark = "# " if item.certainty == "perhaps" else ""
         note = f"{item.certainty}: {item.reason}"
-        if column.unit is None and item.unit is None and not (table or "'" in column.title):
+        bare = "without dimension" in item.reason
+        if column.unit is None and item.unit is None and not (table or bare):
             note += "; no unit stated, taken as SI"
         if mark:
             note = f"TODO {note}"

@@ -22,7 +22,7 @@ from pmmkit.intake.drafts.conventions import Proposal
 from pmmkit.intake.drafts.draft import RunDraft
 from pmmkit.intake.drafts.matrix import MatrixDraft, where_line
 from pmmkit.intake.drafts.names import RunKey, asked_of
-from pmmkit.intake.guessing import COUNTED, WITHOUT
+from pmmkit.intake.guessing import COUNTED, WITHOUT, coefficient
 from pmmkit.intake.seen import FileLook
 from pmmkit.presentation import printable
 from pmmkit.readers import READERS
@@ -237,7 +237,7 @@ def default_lines(
             lines.append(f"cfd = {toml(cfd)}")
         if asked == {"nondimensional": "prime"}:
             # The checks hold the size of the forces against the hull's: a wrong system is told.
-            why = 'their headers have primes; TODO "prime-d" if over ½ρLdU², "bis" if by ∇ and g'
+            why = 'by their headers; TODO "prime-d" if over ½ρLdU², "bis" if by ∇ and g'
             lines.append(aligned(f"source = {toml(asked)}", why))
         elif asked:
             lines.append(aligned(f"# source = {toml(asked)}", "TODO of all of them"))
@@ -378,7 +378,10 @@ def guessed_source(entries: Sequence[RunDraft]) -> dict[str, str]:
     """What files of non-dimensional forces or of harmonics must say of themselves, as is usual."""
     guessed = {}
     columns = [column for entry in entries for column in entry.look.columns]
-    if any("'" in column.title and column.unit in WITHOUT for column in columns):
+    if any(
+        column.unit in WITHOUT and ("'" in column.title or coefficient(column.header))
+        for column in columns
+    ):
         guessed["nondimensional"] = "prime"
     if any("_in" in name or "_out" in name for entry in entries for name in entry.look.known):
         guessed["in_phase_with"] = "displacement"
