@@ -14,6 +14,7 @@ from pictures import without_pictures
 
 from pmmkit.campaigns import open_campaign
 from pmmkit.cli import main
+from pmmkit.intake.drafts.motion import motion_facts
 from pmmkit.intake.drafts.names import facts_of
 from scripts.datasets.strangers.houses import HOUSES, SPEED, programme
 from scripts.datasets.strangers.hulls import RHO, TANKER, forces, inertia
@@ -189,3 +190,16 @@ def test_a_published_table_of_circular_tests_is_read(names, factor, tmp_path, ca
     assert main(["reduce", str(folder), "--out", str(tmp_path / "r"), "--json", "--quiet"]) == 0
     inside, missed, _ = held(TANKER, tmp_path / "r" / "derivatives.csv")
     assert (inside + len(missed), len(missed) <= OUTSIDE) == (16, True), missed
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_turn_tells_to_which_side_its_rudder_turns(side):
+    """However her yaw rate falls with her speed."""
+    t = np.arange(0.0, 300.0, 0.5)
+    under = np.clip(t - 10.0, 0.0, None)
+    rate = 0.02 * (1 - np.exp(-under / 8.0)) * (0.5 + 0.5 * np.exp(-under / 40.0))
+    psi = side * np.cumsum(rate) * 0.5
+    delta = np.radians(35.0) * np.clip(under / 5.0, 0.0, 1.0)
+    along, across = (np.cumsum(3.0 * part(psi)) for part in (np.cos, np.sin))
+    found = motion_facts(t, {"psi": psi, "delta": delta, "x": along, "y": across}, "turning")
+    assert (found.turned, found.settings["rudder_deg"][0]) == (side, 35.0)

@@ -482,12 +482,19 @@ def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> Run
 
 
 def _turned(psi: Array, held: Sequence[tuple[float, int, int]]) -> int:
-    """Whether the heading gathers way to the side of the rudder, while that is held."""
-    bends = np.array([s * (psi[b] - 2.0 * psi[(a + b) // 2] + psi[a]) for s, a, b in held])
+    """Whether the heading gathers way to the side of the rudder, while that is held, or goes far:
+    in a turn its rate falls with the speed."""
+    bends = np.array([s * _gathered(psi[a], psi[(a + b) // 2], psi[b]) for s, a, b in held])
     sure = abs(bends.sum()) > _ONE_WAY * np.abs(bends).sum()
     return int(np.sign(bends.sum())) if sure else 0
 
 
+def _gathered(first: float, middle: float, last: float) -> float:
+    return last - first if abs(last - first) > _FAR else last - 2.0 * middle + first
+
+
+_FAR: Final = 1.5
+"""Change of heading that no zigzag makes under one rudder [rad]: twice 45°."""
 _ONE_WAY: Final = 0.8
 """Share of the bends of a heading that must go one way."""
 
