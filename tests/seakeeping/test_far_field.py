@@ -32,8 +32,9 @@ def kochin_along(found, case, m, l):
     sent = sent_by_sections(strips, Table.of(strips, asked.encounter), asked)
     m, l = np.atleast_1d(m)[None], np.atleast_1d(l)[None]
     kappa = (asked.encounter[case] + asked.speed[case] * m) ** 2 / found.g
-    path = Path(which=np.array([case]), m=m, l=l, kappa=kappa, share=np.ones_like(m))
-    return kochin(strips.x, asked, sent, path)[0][0]
+    path = Path(which=np.array([case]), m=m, l=np.abs(l), kappa=kappa, share=np.ones_like(m))
+    port, starboard = kochin(strips.x, asked, sent, path)[0]
+    return np.where(l >= 0.0, port, starboard)[0]
 
 
 def sent_at_rest(found, row, place, angles):

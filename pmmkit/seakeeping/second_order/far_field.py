@@ -65,8 +65,8 @@ class Asked:
 class Path:
     """Wave vectors along which waves leave, of some of the waves that were asked.
 
-    `which (some,)`: their places. `m, l, kappa (some, nodes)` [1/m]. `share`: κ/|ℓ| dm with the
-    sign of w [1/m].
+    `which (some,)`: their places. `m, l, kappa (some, nodes)` [1/m], ℓ to port; each stands for the
+    one to starboard too. `share`: κ/ℓ dm with the sign of w [1/m].
     """
 
     which: Places
@@ -145,20 +145,22 @@ def _carried(strips: Strips, table: Table, asked: Asked) -> Array:
     toward = asked.k * np.stack([np.cos(asked.heading), -np.sin(asked.heading)])
     found = np.zeros((3, asked.k.size))
     for path in paths(asked, strips.g, strips.hull.L, _SHORTEST / strips.hull.draught):
-        H, turned = kochin(strips.x, asked, sent, path)
-        action = path.share * np.abs(H) ** 2
-        for row, out in enumerate((path.m, path.l)):
-            found[row, path.which] += np.sum(action * (toward[row, path.which, None] - out), -1)
-        found[2, path.which] += np.sum(path.share * (H.conj() * turned).imag, axis=-1)
+        for side, H, turned in zip((1, -1), *kochin(strips.x, asked, sent, path), strict=True):
+            action = path.share * np.abs(H) ** 2
+            for row, out in enumerate((path.m, side * path.l)):
+                found[row, path.which] += np.sum(action * (toward[row, path.which, None] - out), -1)
+            found[2, path.which] += np.sum(path.share * (H.conj() * turned).imag, axis=-1)
     found /= 8 * math.pi * asked.k
+    every = np.arange(asked.k.size)
     on = Path(
-        which=np.arange(asked.k.size),
+        which=every,
         m=toward[0, :, None],
-        l=toward[1, :, None],
+        l=np.abs(toward[1, :, None]),
         kappa=asked.k[:, None],
         share=np.ones((asked.k.size, 1)),
     )
-    found[2] += kochin(strips.x, asked, sent, on)[1][:, 0].real / (2 * asked.k)
+    _, slope = kochin(strips.x, asked, sent, on)
+    found[2] += slope[(toward[1] < 0.0).astype(int), every, 0].real / (2 * asked.k)
     return found
 
 
@@ -186,18 +188,18 @@ def paths(asked: Asked, g: float, L: float, shortest: float) -> Iterator[Path]:
         return Path(which=which, m=m, l=l, kappa=kappa, share=kappa * step * np.sign(w_out))
 
     def nodes(radians: Array) -> int:
-        return 2 * math.ceil(0.5 * _FEWEST + float(radians.max()) * L)
+        return math.ceil(0.5 * _FEWEST + float(radians.max()) * L)
 
     closed = np.flatnonzero(inside > 0.0)
     if closed.size:
         half, middle = 0.5 * (far + near)[closed, None], 0.5 * (far - near)[closed, None]
         count = nodes(0.7 * half)
-        angle = 2 * math.pi / count * (np.arange(count) + 0.5)
+        angle = math.pi / count * (np.arange(count) + 0.5)
         m = middle + half * np.cos(angle)
         bent = U[closed, None] ** 2 * m / g
         ends = (w[closed] ** 2 / g)[:, None] / np.stack([near, far])[:, closed, None]
         narrow = np.sqrt((ends[0] + bent) * (ends[1] - bent))
-        yield path(closed, m, half * np.sin(angle) * narrow, 2 * math.pi / count / narrow)
+        yield path(closed, m, half * np.sin(angle) * narrow, math.pi / count / narrow)
     for start, end, there in (
         (behind, first, behind > first),
         (ahead, last, (inside > 0.0) & (ahead < last)),
@@ -207,28 +209,46 @@ def paths(asked: Asked, g: float, L: float, shortest: float) -> Iterator[Path]:
         if not which.size:
             continue
         reach = (end - start)[which, None]
-        s, gauss = np.polynomial.legendre.leggauss(nodes(0.2 * np.abs(reach)))
+        count = nodes(0.2 * np.abs(reach))
+        s, gauss = (part[count:] for part in np.polynomial.legendre.leggauss(2 * count))
         m = start[which, None] + reach * s**2
         size = (w[which, None] + U[which, None] * m) ** 2 / g
-        l = np.sign(s) * np.sqrt(np.maximum((size - m) * (size + m), 1e-300))
-        yield path(which, m, l, 2 * np.abs(reach * s) * gauss / np.abs(l))
+        l = np.sqrt(np.maximum((size - m) * (size + m), 1e-300))
+        yield path(which, m, l, 2 * np.abs(reach) * s * gauss / l)
 
 
 def kochin(x: Array, asked: Asked, sent: Sent, path: Path) -> tuple[Complex, Complex]:
-    """H along a path, and its slope where the wave vector turns at one κ: (some, nodes)."""
-    across = np.arccos(np.clip(path.l / path.kappa, -1.0, 1.0))
-    order = np.arange(sent.level.shape[-1])
-    phase = across[..., None] * order
-    shape, slope = np.cos(phase), np.sign(path.m)[..., None] * order * np.sin(phase)
-    level, ahead = (np.swapaxes(part[path.which], 1, 2) for part in (sent.level, sent.ahead))
-    along = (asked.k * np.cos(asked.heading))[path.which, None] - path.m
-    weight = level_weights(x, along)
-    m, l = path.m[..., None], path.l[..., None]
-    with_m = shape @ ahead
-    local = shape @ level + m * with_m
-    turned = slope @ level + m * (slope @ ahead) - l * (1j * x * local + with_m)
-    H, slope_of_H = (np.einsum("cts,cts->ct", weight, part) for part in (local, turned))
-    return H, slope_of_H
+    """H along a path, and its slope where the wave vector turns at one κ: (2, some, nodes), to port
+    and to starboard.
+
+    Polynomials of even order in ℓ/κ are alike to both sides, those of odd order opposite; their
+    slopes the other way round.
+    """
+    across = np.arccos(np.clip(path.l / path.kappa, -1.0, 1.0))[..., None]
+    weight = level_weights(x, (asked.k * np.cos(asked.heading))[path.which, None] - path.m)
+    m, count = path.m[..., None], x.size
+    sums = []
+    for first in (0, 1):
+        order = np.arange(first, sent.level.shape[-1], 2)
+        of_order = [part[path.which][..., first::2] for part in (sent.level, sent.ahead)]
+        both = np.ascontiguousarray(np.swapaxes(np.concatenate(of_order, axis=1), 1, 2))
+        waves, leaning = np.cos(across * order), np.sign(m) * order * np.sin(across * order)
+        # shapes are real: as pairs of real numbers the product takes half of the time
+        alone, slope = ((part @ both.view(float)).view(complex) for part in (waves, leaning))
+        local = alone[..., :count] + m * alone[..., count:]
+        bent = slope[..., :count] + m * slope[..., count:]
+        parts = (local, 1j * x * local + alone[..., count:], bent)
+        sums.append([np.einsum("cts,cts->ct", weight, part) for part in parts])
+    even, odd = sums
+    return (
+        np.stack([even[0] + odd[0], even[0] - odd[0]]),
+        np.stack(
+            [
+                even[2] + odd[2] - path.l * (even[1] + odd[1]),
+                odd[2] - even[2] + path.l * (even[1] - odd[1]),
+            ]
+        ),
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
