@@ -36,6 +36,8 @@ CHANNEL_UNITS: Final[dict[str, str]] = {
     "trim": "rad",
     "speed": "m/s",
     "U_carriage": "m/s",
+    "Y_forward": "N",
+    "Y_aft": "N",
     "y_forward": "m",
     "y_aft": "m",
     "x": "m",

@@ -361,6 +361,10 @@ def _pattern(words: str) -> re.Pattern[str]:
 _NAMES: Final = tuple(
     (name, _pattern(words))
     for name, words in {
+        "Y_forward": "(?:f ?y|side force|y force|sway force) ?(?:f|fwd|fore|forward|front|bow)|"
+        "(?:fwd|fore|forward|front|bow) (?:side force|f ?y|sway force|gauge)",
+        "Y_aft": "(?:f ?y|side force|y force|sway force) ?(?:a|aft|rear|stern)|"
+        "(?:aft|rear|stern) (?:side force|f ?y|sway force|gauge)",
         "FX_rudder": "(?:f ?)?x ?rud(?:der)?|rudder (?:normal )?f ?x|r ?fx",
         "FY_rudder": "(?:f ?)?y ?rud(?:der)?|rudder f ?y|r ?fy",
         "wind_speed": "wind (?:velo|velocity|speed) relative(?: mid)?|relative wind speed|aws",

@@ -1,4 +1,4 @@
-"""From the files of fifteen strangers to a turn of their hulls, by typed commands.
+"""From the files of sixteen strangers to a turn of their hulls, by typed commands.
 
     python -m scripts.studies.strangers [--out FOLDER] [NAME ...]
 
@@ -25,6 +25,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from scripts.datasets.strangers.houses import GAUGES
 from scripts.datasets.strangers.hulls import Hull, turn
 from scripts.datasets.strangers.laboratories import FAST, FOLDERS, HULLS, SLOW, SPEEDS
 
@@ -89,6 +90,7 @@ def particulars(hull: Hull) -> Iterator[tuple[str, str]]:
     """The lines of the ship: found in a draft, put in its place; the water is fresh."""
     for key in ("L", "B", "d", "mass", "Izz"):
         yield f"# {key} = ...", f"{key} = {getattr(hull, key)}"
+    yield "# side_gauges_x = [0.0, 0.0] ", f"side_gauges_x = {list(GAUGES)} "
     yield "# xG = 0.0 ", f"xG = {hull.xG} "
     if hull.rolls:
         yield "# zG = 0.0 ", f"zG = {hull.zG} "

@@ -119,6 +119,7 @@ class Setup:
     trial: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     solver: Solver = field(default_factory=Solver)
     struts: Struts | None = None
+    side_gauges: tuple[float, float] | None = None
     planned: bool = False
 
 
@@ -295,6 +296,7 @@ def context_of(
         solver=setup.solver,
         test=test,
         settings=settings,
+        side_gauges=setup.side_gauges,
     )
 
 

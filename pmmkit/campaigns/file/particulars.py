@@ -103,6 +103,9 @@ def read_tables(
         options=Options(**source.model_dump()),
         columns=columns,
         corrections=corrections,
+        side_gauges=None
+        if head.side_gauges_x is None
+        else (head.side_gauges_x[0], head.side_gauges_x[1]),
         struts=None
         if struts is None
         else Struts(

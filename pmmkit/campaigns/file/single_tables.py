@@ -181,6 +181,9 @@ class CampaignEntry(StrictTable):
         "point to which moments refer, forward of midship [m]; midship if absent", None
     )
     moment_reference_z: float = said("the same, below the origin [m]", 0.0)
+    side_gauges_x: Annotated[list[float], Field(min_length=2, max_length=2)] | None = said(
+        "of two gauges of the side force, `Y_forward` and `Y_aft`: forward of midship [m]", None
+    )
     motion_reference_x: float = said("point to which motions refer, forward of midship [m]", 0.0)
     free: list[Literal["surge", "heave", "pitch", "roll", "sway", "yaw", "trim", "sinkage"]] = said(
         "motions that the mount leaves free", []

@@ -104,7 +104,10 @@ def pick(
             )
     on_earth = {"lat", "lon"} <= set(picked)
     steered = {"u", "v"} <= set(picked) and bool({"psi", "r"} & set(picked))
+    gauged = {"Y_forward", "Y_aft"} <= set(picked)
     for name in required:
+        if gauged and name in ("Y", "N"):
+            continue
         if (on_earth or steered) and name in ("x", "y"):
             continue
         if steered and name == "psi" and "r" in picked:

@@ -159,6 +159,8 @@ _AXIS_PARITY: Final[dict[str, str]] = {
     "vdot": "y",
     "y": "y",
     "ydot": "y",
+    "Y_forward": "y",
+    "Y_aft": "y",
     "y_forward": "y",
     "y_aft": "y",
     "FY_rudder": "y",

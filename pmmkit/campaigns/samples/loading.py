@@ -322,6 +322,8 @@ def _origin(lat: Array, lon: Array) -> tuple[float, float]:
     return float(lat[first]), float(lon[first])
 
 
+GAUGES: Final = frozenset({"Y_forward", "Y_aft"})
+"""Side forces of two gauges, which tell side force and yaw moment."""
 STRUT_CHANNELS: Final = frozenset({"y_forward", "y_aft"})
 """Positions of two struts across the tank, which tell place and heading of the hull."""
 
@@ -334,7 +336,8 @@ class Context:
     `corrections`: those that apply to the run. `notes`: conversions of the settings, in words.
     `antenna`: place of the antenna of a free-running record, forward of midship and to
     starboard [m]. `solver`: what the forces of a CFD refer to. `settings`: what it was set to.
-    `struts`: the mechanism that swings the model.
+    `struts`: the mechanism that swings the model. `side_gauges`: where the two gauges of the side
+    force stand, forward of midship [m].
     """
 
     ship: Ship
@@ -348,6 +351,7 @@ class Context:
     test: str = ""
     settings: Settings | None = None
     struts: Struts | None = None
+    side_gauges: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -530,8 +534,12 @@ def dataset(
     wrong = out_of_range(values)
     if wrong is not None:
         raise request.error(wrong, remedy="Write degrees with decimals, west and south negative.")
+    values, summed = _summed(values, context, request)
+    said += summed
     on_earth = {"lat", "lon"} <= set(values) and not {"x", "y"} & set(values)
-    compass = {name: values[name] for name in ("psi", "cog") if on_earth and name in values}
+    compass: dict[str, Array] = {
+        name: values[name] for name in ("psi", "cog") if on_earth and name in values
+    }
     converted, more = to_ours(
         {name: numbers for name, numbers in values.items() if name not in compass},
         frame=context.frame,
@@ -595,6 +603,36 @@ def _reckoned(values: Mapping[str, Array]) -> dict[str, Array]:
         values["t"], (values["u"], values["v"]), rate=values.get("r"), psi=values.get("psi")
     )
     return {"x": x, "y": y, **({} if "psi" in values else {"psi": psi})}
+
+
+def _summed(
+    values: Mapping[str, Array], context: Context, request: Request
+) -> tuple[dict[str, Array], list[str]]:
+    """Side force and yaw moment of two gauges, along the axes of the file; a column of Y or N
+    stands for itself."""
+    present = GAUGES & set(values)
+    if not present:
+        return dict(values), []
+    if present != GAUGES:
+        raise request.error(
+            f"{', '.join(sorted(present))} is there without {', '.join(sorted(GAUGES - present))}.",
+            remedy="Map both gauges under [columns], or leave out the one with = false.",
+        )
+    if context.side_gauges is None:
+        raise request.error(
+            "Y_forward and Y_aft need the places of the gauges.",
+            remedy="State them: side_gauges_x = [forward, aft] under [campaign], forward of "
+            "midship in metres.",
+        )
+    ahead = -1.0 if "x" in context.frame.reversed_axes else 1.0
+    levers = [ahead * (x - context.solver.centre_x) for x in context.side_gauges]
+    forces = values["Y_forward"], values["Y_aft"]
+    found = {"Y": forces[0] + forces[1], "N": levers[0] * forces[0] + levers[1] * forces[1]}
+    kept = {name: x for name, x in values.items() if name not in GAUGES}
+    own = [name for name in found if name not in kept]
+    places = " and ".join(f"{x:g}" for x in context.side_gauges)
+    said = [f"{', '.join(own)} from two gauges, {places} m forward of midship"] if own else []
+    return {**found, **kept}, said
 
 
 def _carried(

@@ -277,6 +277,8 @@ def column_lines(
         wanted = tuple(name for name in wanted if name not in ("x", "y"))
     if steered and {"r", "r_deg_s"} & known:
         wanted = tuple(name for name in wanted if name != "psi")
+    if {"Y_forward", "Y_aft"} <= known:
+        wanted = tuple(name for name in wanted if name not in ("Y", "N"))
     if kind == "free-running" and not table:
         wanted = (*wanted, *(name for name in _STEERED if name not in look.known))
     for name in wanted:

@@ -42,6 +42,8 @@ _SHIP: Final[Mapping[str, Any]] = {
 }
 """A ship for drafts that name none: it scales forces and changes no sign."""
 _WATER: Final[Mapping[str, Any]] = {"rho": 1000.0}
+_GAUGES: Final = [0.25, -0.25]
+"""Places of two gauges [m] where nobody states them: either gives the moment its sign."""
 _SPEED: Final = 1.0
 """Speed [m/s] where nobody knows it; the same for all runs, so that it changes no sign."""
 _MOST: Final = 12
@@ -57,6 +59,7 @@ def trial_campaign(text: str, target: Path, source: Mapping[str, str]) -> Campai
         stand_in = {key: value for key, value in _SHIP.items() if key not in weighed}
         raw["ship"] = {**stand_in, **ship}
     raw["water"] = {**_WATER, **raw.get("water", {})}
+    raw["campaign"] = {"side_gauges_x": _GAUGES, **raw.get("campaign", {})}
     stated = raw.get("defaults", {})
     raw["defaults"] = {"speed": _SPEED, **stated, "source": {**source, **stated.get("source", {})}}
     found = [campaign for part in _parts(raw) if (campaign := _opened(part, target)) is not None]

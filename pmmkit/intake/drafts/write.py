@@ -131,12 +131,16 @@ def _campaign(draft: Draft, todo: Todo) -> list[str]:
     if draft.kind == "free-running":
         todo.add("[campaign] rudder_positive, and [axes] if x, y or z point the other way.")
         return [*lines, _turns(draft.runs)]
-    todo.add("[campaign] moment_reference_x: to which point do the moments refer?")
+    gauged = any({"Y_forward", "Y_aft"} <= {*run.look.known} for run in draft.runs)
+    if gauged:
+        todo.add("[campaign] side_gauges_x: where do the gauges Y_forward and Y_aft stand?")
+    else:
+        todo.add("[campaign] moment_reference_x: to which point do the moments refer?")
     return [
         *lines,
         _forces(draft.proposal, todo),
         *_signs(draft.proposal, todo, steered=_steered(draft)),
-        "# moment_reference_x = 0.0       # TODO point to which moments refer, forward of midship",
+        *([_GAUGES] if gauged else [_POINT]),
         '# free = ["heave", "pitch"]      # TODO what the mount leaves free',
     ]
 
@@ -151,6 +155,10 @@ def _turns(runs: Sequence[RunDraft]) -> str:
     return aligned(f'rudder_positive = "{side}"', f"{seen}; TODO right where psi is + to starboard")
 
 
+_POINT: Final = (
+    "# moment_reference_x = 0.0       # TODO point to which moments refer, forward of midship"
+)
+_GAUGES: Final = "# side_gauges_x = [0.0, 0.0]     # TODO places of Y_forward and Y_aft [m]"
 _TURNS: Final = 'rudder_positive = "starboard"    # TODO "port" if + rudder turns her to port'
 
 

@@ -69,6 +69,8 @@ _MEANINGS: Final[dict[str, str]] = {
     "harmonic": "order of the harmonic",
     "speed": "speed of the carriage",
     "U_carriage": "speed of the carriage along its rails",
+    "Y_forward": "side force on the forward gauge",
+    "Y_aft": "side force on the aft gauge",
     "y_forward": "position of the forward strut across the tank",
     "y_aft": "position of the aft strut across the tank",
 }

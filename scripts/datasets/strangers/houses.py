@@ -1,4 +1,4 @@
-"""Nine more laboratories, each with its own habits of files, names, units and axes.
+"""Ten more laboratories, each with its own habits of files, names, units and axes.
 
 All but the computation begin at rest, gather way, and weigh the model's inertia with the water's
 force; the speed of the carriage is recorded.
@@ -334,6 +334,34 @@ def phase_averaged(folder: Path, *, seed: int = 19) -> None:
         _table(folder / f"{told}.csv", columns, "%.7f")
 
 
+GAUGES = (0.55, -0.65)
+"""Places of two gauges, forward of midship [m]."""
+
+
+def two_gauges(folder: Path, *, seed: int = 20) -> None:
+    """Side forces of a forward and an aft gauge, and no yaw moment."""
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(seed)
+    fore, aft = GAUGES
+    for order in programme():
+        read, own = recorded(order, rng), order.set_to
+        told = {
+            "drift": "SD_V{U:.2f}_b{beta:+g}",
+            "sway": "PureSway_V{U:.2f}_T{T:g}_A{a:g}m",
+            "yaw": "PureYaw_V{U:.2f}_T{T:g}_psi{psi:.2f}",
+        }[order.kind].format(U=SPEED, **own)
+        Y, N = read.forces["Y"], read.forces["N"]
+        columns = {
+            "Time [s]": read.t,
+            "Fx [N]": read.forces["X"],
+            "Fy_fwd [N]": (N - aft * Y) / (fore - aft),
+            "Fy_aft [N]": (fore * Y - N) / (fore - aft),
+            "y [m]": read.y,
+            "psi [deg]": np.degrees(read.psi),
+        }
+        _table(folder / f"{told}.csv", columns)
+
+
 HOUSES = {
     "pounds": pounds,
     "listed_tdms": listed_tdms,
@@ -344,5 +372,6 @@ HOUSES = {
     "tecplot": tecplot,
     "zones": zones,
     "phase_averaged": phase_averaged,
+    "two_gauges": two_gauges,
 }
 """Folders of the coaster's tests, each by its writer."""
