@@ -19,6 +19,7 @@ from pmmkit.campaigns import open_campaign
 from pmmkit.files import CAMPAIGN, Url
 from pmmkit.intake.file import look_at, with_numbers
 from pmmkit.intake.seen import ColumnLook, FileLook, SheetBlock
+from pmmkit.intake.told_columns import with_told_columns
 from pmmkit.presentation import counted, safe_cell
 from pmmkit.readers import READERS, Contents, Request, recognise
 
@@ -355,7 +356,7 @@ def _look_folder(folder: Path) -> Look:
                 others[path.suffix.lower()] += 1
     if not (looks or campaigns):
         raise _nothing(folder, others, problems)
-    groups, damaged = _grouped(looks)
+    groups, damaged = _grouped(with_told_columns(looks, bare))
     problems += damaged
     return Look(
         path=folder,

@@ -1,4 +1,4 @@
-"""Ten more laboratories, each with its own habits of files, names, units and axes.
+"""Eleven more laboratories, each with its own habits of files, names, units and axes.
 
 All but the computation begin at rest, gather way, and weigh the model's inertia with the water's
 force; the speed of the carriage is recorded.
@@ -362,6 +362,28 @@ def two_gauges(folder: Path, *, seed: int = 20) -> None:
         _table(folder / f"{told}.csv", columns)
 
 
+def without_headers(folder: Path, *, seed: int = 21) -> None:
+    """Numbers alone; a text beside them says what the columns are, and gives the particulars."""
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(seed)
+    (folder / "readme.txt").write_text(
+        "Captive tests of a coaster\n"
+        "Columns: 1 time [s], 2 carriage speed [m/s], 3 longitudinal force [N], 4 transverse force "
+        "[N], 5 yaw moment [Nm], 6 sway [m], 7 yaw [deg]\n"
+        "Model: Lpp 4.0 m, B 0.7 m, T 0.25 m, displacement 450 kg, LCG 0.06 m\n"
+    )
+    for order in programme():
+        read, own = recorded(order, rng), order.set_to
+        told = {
+            "drift": "drift_{beta:+03.0f}",
+            "sway": "sway_T{T:g}_A{a:g}m",
+            "yaw": "yaw_T{T:g}_A{psi:.2f}deg",
+        }[order.kind].format(**own)
+        forces = (read.forces[name] for name in "XYN")
+        columns = (read.t, read.carriage, *forces, read.y, np.degrees(read.psi))
+        np.savetxt(folder / f"{told}.txt", np.column_stack(columns), "%12.5f")
+
+
 HOUSES = {
     "pounds": pounds,
     "listed_tdms": listed_tdms,
@@ -373,5 +395,6 @@ HOUSES = {
     "zones": zones,
     "phase_averaged": phase_averaged,
     "two_gauges": two_gauges,
+    "without_headers": without_headers,
 }
 """Folders of the coaster's tests, each by its writer."""
