@@ -380,7 +380,7 @@ _NAMES: Final = tuple(
         "rot|rate of turn|omega ?z",
         "p": "roll ?rate|roll (?:velo(?:city)?|speed)|omega ?x",
         "X": "f ?x|force ?x|x ?force|surge force|longitudinal force|axial force|total x|drag|x",
-        "Y": "f ?y|force ?y|y ?force|(?:sway|side|lateral|transver(?:se|sal)|cross) force|total y|y",
+        "Y": "f ?y|force ?y|y ?force|(?:sway|side|lateral|transver(?:se|sal)) force|total y|y",
         "N": "m ?z|moment ?z|z ?moment|yaw ?moment|yawing moment|turning moment|n moment|n",
         "K": "m ?x|moment ?x|x ?moment|roll ?moment|heeling moment|k moment|k",
         "psi": "psi(?: hat)?|ψ|heading(?: angle)?|hdg|yaw(?: angle)?|course angle",
