@@ -53,11 +53,17 @@ def with_told_columns(looks: Sequence[FileLook], beside: Iterable[FileLook]) -> 
     """Files without headers with the names that a text beside them gives to as many columns."""
     told: dict[int, tuple[str, list[str]]] = {}
     for item in beside:
-        if item.has_sheets:
-            continue
-        names = listed_columns(item.path.read_text(encoding="utf-8", errors="replace"))
+        names = [] if item.has_sheets else listed_columns(_text(item))
         told.setdefault(len(names), (item.shown, names))
     return [_named(look, *told[len(look.columns)]) if _bare(look, told) else look for look in looks]
+
+
+def _text(item: FileLook) -> str:
+    """A short text; nothing of one that may not be read."""
+    try:
+        return item.path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
 
 
 def _bare(look: FileLook, told: Iterable[int]) -> bool:

@@ -1,4 +1,4 @@
-"""From the files of seventeen strangers to a turn of their hulls, by typed commands.
+"""From the files of eighteen strangers to a turn of their hulls, by typed commands.
 
     python -m scripts.studies.strangers [--out FOLDER] [NAME ...]
 

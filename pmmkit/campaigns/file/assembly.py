@@ -232,7 +232,7 @@ def add_history(
     missing = missing_settings(entry.test, given)
     if missing and setup.search.find(entry.file) is not None:
         try:
-            measured = _measured(request, specs) | (_measured(motion, {}) if motion else set())
+            measured = _measured(request, specs) | (_measured(motion, specs) if motion else set())
         except DataError as error:
             out.problems += error.problems
             return

@@ -28,7 +28,15 @@ from pmmkit.campaigns.samples.conversions import (
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.stated_run import Correction, Kind, StatedRun
 from pmmkit.campaigns.test_kinds.kind import Struts, place_on_struts
-from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, FORCE_CHANNELS, Ship, Water, unit_factor
+from pmmkit.conventions import (
+    CHANNEL_UNITS,
+    CHANNELS,
+    FORCE_CHANNELS,
+    Ship,
+    Water,
+    channel_of,
+    unit_factor,
+)
 from pmmkit.numerics import Array, dead_reckoned
 from pmmkit.presentation import listed, with_uncertainty
 from pmmkit.readers import Columns, Request, reader_for
@@ -322,6 +330,8 @@ def _origin(lat: Array, lon: Array) -> tuple[float, float]:
     return float(lat[first]), float(lon[first])
 
 
+_OF_PATH: Final = (*PLACE, "u", "v", "r")
+"""Channels that a file of the motion may hold."""
 GAUGES: Final = frozenset({"Y_forward", "Y_aft"})
 """Side forces of two gauges, which tell side force and yaw moment."""
 STRUT_CHANNELS: Final = frozenset({"y_forward", "y_aft"})
@@ -390,7 +400,8 @@ class HistoryLoader:
         request = at_hand(self.request)
         rate = request.options.sample_rate
         required = [x for x in Campaign.REQUIRED[self.kind] if x != "t" or rate is None]
-        read, picked, usual = read_columns(request, self.columns, required)
+        columns = self.columns if self.motion is None else _in_file(request, self.columns)
+        read, picked, usual = read_columns(request, columns, required)
         count = len(read.values[0])
         check_rows(count + read.dropped, self.rows, request)
         notes = [*read.notes, *(column.note for column in picked if column.note)]
@@ -421,7 +432,9 @@ class HistoryLoader:
             notes,
             request=request,
             dimensional=frozenset(column.name for column in picked if column.unit is not None),
-            motion=None if self.motion is None else _motion_of(at_hand(self.motion), self.context),
+            motion=None
+            if self.motion is None
+            else _motion_of(at_hand(self.motion), self.columns, self.context),
         )
 
 
@@ -463,13 +476,28 @@ def read_columns(
     return reader.columns(request, choose), picked, usual
 
 
-def _motion_of(request: Request, context: Context) -> dict[str, Array]:
+def _in_file(request: Request, specs: Mapping[str, ColumnSpec]) -> dict[str, ColumnSpec]:
+    """Where channels stand, without those of the path that another file holds."""
+    titles = set(reader_for(request).names(request))
+    return {
+        name: spec
+        for name, spec in specs.items()
+        if channel_of(name) not in _OF_PATH or spec.name is None or spec.name in titles
+    }
+
+
+def _motion_of(
+    request: Request, specs: Mapping[str, ColumnSpec], context: Context
+) -> dict[str, Array]:
     """The path of the hull from a file of its own, SI, our axes and signs."""
-    read, picked, _ = read_columns(request, {}, ("t",))
+    moved = {name: x for name, x in specs.items() if channel_of(name) in ("t", *_OF_PATH)}
+    titles = set(reader_for(request).names(request))
+    own = {name: spec for name, spec in moved.items() if spec.name in titles}
+    read, picked, _ = read_columns(request, own, ("t",))
     values = {
         column.name: column.apply(numbers)
         for column, numbers in zip(picked, read.values, strict=True)
-        if column.name in ("t", *PLACE, "u", "v", "r")
+        if column.name in ("t", *_OF_PATH)
     }
     return to_ours(
         values, frame=context.frame, ship=context.ship, water=context.water, speed=context.speed

@@ -291,6 +291,12 @@ def column_lines(
 
 def their_column(column: ColumnLook, item: Suggestion, look: FileLook) -> str:
     """The right side of a line of ``[columns]``."""
+    parts = column_parts(column, item, look)
+    return toml(column.title) if list(parts) == ["name"] else toml(parts)
+
+
+def column_parts(column: ColumnLook, item: Suggestion, look: FileLook) -> dict[str, Any]:
+    """How a line of ``[columns]`` names a column."""
     titles = [other.title for other in look.columns]
     named = look.options.header is not False and titles.count(column.title) == 1 and column.title
     parts: dict[str, Any] = {"name": column.title} if named else {"column": column.position + 1}
@@ -299,4 +305,4 @@ def their_column(column: ColumnLook, item: Suggestion, look: FileLook) -> str:
         parts["unit"] = unit
     if item.scale != 1.0:
         parts["scale"] = item.scale
-    return toml(column.title) if list(parts) == ["name"] else toml(parts)
+    return parts

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
@@ -18,7 +18,7 @@ from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Campaign, open_campaign
 from pmmkit.conventions import CHANNEL_UNITS, Ship, channel_of, factor_to, unit_factor, unit_in_name
 from pmmkit.intake.blocks import kind_with
 from pmmkit.intake.checks.rest import rest_facts, zeros_off
-from pmmkit.intake.drafts.columns import ColumnChoice, with_choices
+from pmmkit.intake.drafts.columns import ColumnChoice, column_parts, with_choices
 from pmmkit.intake.drafts.conventions import Proposal
 from pmmkit.intake.drafts.matrix import (
     HEADED,
@@ -167,7 +167,7 @@ def draft_of(
     ]
     length = known.L if known else None
     histories = [group for group in seen.groups if group.first.kind == "history"]
-    runs = [run for group in histories for run in _runs(group, base, length)]
+    runs = _with_motions([run for group in histories for run in _runs(group, base, length)])
     listed = [
         item for group in seen.groups if group.first.kind == "table" for item in _read_all(group)
     ]
@@ -431,6 +431,84 @@ def _in_seconds(
         return clock, {}, (RunKey(key="period", value=None, todo=todo, active=False),)
     own = {"t": {"name": clock.title, "unit": "s", "scale": period}}
     return replace(clock, suggestion=replace(clock.suggestion, scale=period)), own, ()
+
+
+def _with_motions(runs: Sequence[RunDraft]) -> list[RunDraft]:
+    """Records of forces alone, each with the record of the motion alone that has its name but for
+    words such as forces and motion; the others as they are."""
+    forces, motions = (
+        _by_name(run for run in runs if holds(set(run.look.known))) for holds in (_forced, _moved)
+    )
+    joined = {
+        name: motions[name]
+        for name in forces.keys() & motions.keys()
+        if _one_clock(forces[name].look, motions[name].look)
+    }
+    used = {id(run) for run in joined.values()}
+    found = []
+    for run in runs:
+        name = _bare_name(run)
+        if forces.get(name) is run and name in joined:
+            own = joined[name]
+            run = replace(
+                run,
+                id=PurePosixPath(name).name,
+                test=own.test or run.test,
+                settings=own.settings,
+                problems=(*run.problems, *own.problems),
+                motion=own.file,
+                columns={**run.columns, **_path_columns(own.look)},
+                turned=own.turned,
+            )
+        if id(run) not in used:
+            found.append(run)
+    return found
+
+
+def _forced(known: set[str]) -> bool:
+    return bool(known & _FORCES) and not known & _MOTION
+
+
+def _moved(known: set[str]) -> bool:
+    return bool(known & {"y", "psi"}) and not known & _FORCES
+
+
+def _one_clock(look: FileLook, other: FileLook) -> bool:
+    """Whether one line says where the time stands in two files."""
+    own, theirs = look.known["t"].title, other.known["t"].title
+    return own == theirs != ""
+
+
+def _path_columns(look: FileLook) -> dict[str, Any]:
+    """Where place and heading stand in a file of the motion."""
+    return {
+        name: column_parts(column, column.suggestion, look)
+        for name, column in look.known.items()
+        if column.suggestion and column.suggestion.certainty != "perhaps" and name in _MOTION
+    }
+
+
+def _by_name(runs: Iterable[RunDraft]) -> dict[str, RunDraft]:
+    """Runs by their names, those that share one left out."""
+    named: dict[str, list[RunDraft]] = {}
+    for run in runs:
+        named.setdefault(_bare_name(run), []).append(run)
+    return {name: own[0] for name, own in named.items() if len(own) == 1}
+
+
+def _bare_name(run: RunDraft) -> str:
+    parts = PurePosixPath(run.file).with_suffix("").parts
+    return "/".join(filter(None, (_PART.sub("", part) for part in parts)))
+
+
+_FORCES: Final = frozenset({"X", "Y", "N", "K", "Y_forward", "Y_aft"})
+_MOTION: Final = frozenset({"x", "y", "psi", "psi_deg", "u", "v", "r", "y_forward", "y_aft"})
+_PART: Final = re.compile(
+    r"(?:^|(?<=[a-z\d])[_\-. ]+)(?:forces?|loads?|balance|gauges?|dyn(?:amometer)?|motions?|"
+    r"kin(?:ematics?)?|track(?:ing)?|mocap|pos(?:itions?)?|trajectory)(?=$|[_\-. ])",
+    re.IGNORECASE,
+)
+"""Which part of a test a file holds, in its name or in that of its folder."""
 
 
 def _size(numbers: Array) -> float:

@@ -1,4 +1,4 @@
-"""Eleven more laboratories, each with its own habits of files, names, units and axes.
+"""Twelve more laboratories, each with its own habits of files, names, units and axes.
 
 All but the computation begin at rest, gather way, and weigh the model's inertia with the water's
 force; the speed of the carriage is recorded.
@@ -384,6 +384,26 @@ def without_headers(folder: Path, *, seed: int = 21) -> None:
         np.savetxt(folder / f"{told}.txt", np.column_stack(columns), "%12.5f")
 
 
+def two_recorders(folder: Path, *, seed: int = 22) -> None:
+    """Forces in one folder and the motion in another, at other rates; one clock for both."""
+    (folder / "forces").mkdir(parents=True)
+    (folder / "motion").mkdir()
+    rng = np.random.default_rng(seed)
+    for order in programme():
+        own = order.set_to
+        told = {
+            "drift": "SD_U{U:.1f}_b{beta:+g}",
+            "sway": "PS_U{U:.1f}_T{T:g}_a{a:g}m",
+            "yaw": "PY_U{U:.1f}_T{T:g}_psi{psi:.2f}deg",
+        }[order.kind].format(U=SPEED, **own)
+        read, seen = recorded(order, rng), recorded(order, rng, step=0.02)
+        forces = {"Fx [N]": "X", "Fy [N]": "Y", "Mz [Nm]": "N"}
+        columns = {"t [s]": read.t} | {name: read.forces[key] for name, key in forces.items()}
+        _table(folder / "forces" / f"{told}.csv", columns)
+        moved = {"Sway Pos (mm)": 1e3 * seen.y, "Yaw Angle (deg)": np.degrees(seen.psi)}
+        _table(folder / "motion" / f"{told}.csv", {"t [s]": seen.t, **moved})
+
+
 HOUSES = {
     "pounds": pounds,
     "listed_tdms": listed_tdms,
@@ -396,5 +416,6 @@ HOUSES = {
     "phase_averaged": phase_averaged,
     "two_gauges": two_gauges,
     "without_headers": without_headers,
+    "two_recorders": two_recorders,
 }
 """Folders of the coaster's tests, each by its writer."""
