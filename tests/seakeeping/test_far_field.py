@@ -11,8 +11,8 @@ import pytest
 from pmmkit.base import DataError
 from pmmkit.seakeeping import Loading, added_resistance, hull_from_particulars, rao, read_hull
 from pmmkit.seakeeping.second_order.far_field import (
+    Answers,
     Path,
-    Table,
     asked_of,
     kochin,
     momentum_drift,
@@ -29,7 +29,7 @@ def kochin_along(found, case, m, l):
     """H of one of the waves of `found` along wave vectors (m, ℓ) at her frequency aboard."""
     asked = asked_of(found, np.ones(found.omega.size, dtype=bool))
     strips = found.strips
-    sent = sent_by_sections(strips, Table.of(strips, asked.encounter), asked)
+    sent = sent_by_sections(strips, Answers.of(strips, asked.encounter), asked)
     m, l = np.atleast_1d(m)[None], np.atleast_1d(l)[None]
     kappa = (asked.encounter[case] + asked.speed[case] * m) ** 2 / found.g
     path = Path(which=np.array([case]), m=m, l=np.abs(l), kappa=kappa, share=np.ones_like(m))

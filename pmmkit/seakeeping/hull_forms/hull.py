@@ -162,7 +162,7 @@ class Hull(Described):
         return (
             f"L {self.L:.4g} m, B {breadth:.3g} m, T {self.draught:.3g} m (L/B "
             f"{self.L / breadth:.2f}, B/T {breadth / self.draught:.2f}), stations from x = "
-            f"{self.x[0]:.3g} to {self.x[-1]:.3g} m; {found.volume:.5g} m³, CB "
+            f"{self.x[0]:.3g} to {self.x[-1]:.3g} m; {_volume(found.volume)} m³, CB "
             f"{found.volume / (self.L * breadth * self.draught):.3f}, LCB {found.xB:z.2f} m, LCF "
             f"{found.xF:z.2f} m from midship, KM {found.KM:.3g} m."
         )
@@ -271,7 +271,7 @@ class Hull(Described):
     def _headline(self) -> str:
         return (
             f"{self.name}: L {self.L:.4g} m, draught {self.draught:.4g} m, "
-            f"{len(self.stations)} stations, volume {self.hydrostatics.volume:.5g} m³"
+            f"{len(self.stations)} stations, volume {_volume(self.hydrostatics.volume)} m³"
         )
 
     def _sections(self) -> Sequence[Section]:
@@ -292,6 +292,11 @@ class Hull(Described):
             Section(tables=[Grid(head=["", "value"], groups=[Group(rows=rows)])]),
             *([Section(title="Notes", points=self.notes)] if self.notes else []),
         ]
+
+
+def _volume(size: float) -> str:
+    """To five digits, or to the cubic metre."""
+    return f"{size:.0f}" if size >= 1e5 else f"{size:.5g}"
 
 
 def _places(x: Sequence[float]) -> str:

@@ -92,7 +92,7 @@ def momentum_drift(rao: Rao, *, among: Flags | None = None) -> Array:
     """Mean X, Y and N about midship, (3, speeds, headings, frequencies) [N/m², N m/m²].
 
     Action A dm that leaves along (m, ℓ) takes its own momentum and brings that of the incident
-    wave, whose action it was (Maruo 1960, 1963): X + iY = ∫A (k - (m, ℓ)) dm, with A = ρg/(8πk)
+    wave, whose action it was (Maruo 1960; Maruo 1963): X + iY = ∫A (k - (m, ℓ)) dm, with A = ρg/(8πk)
     |H|² κ/|ℓ| and the action that roll damping takes beside. Its moment is that of H turned at one
     κ, and N holds the interference with the wave that goes on too (Newman 1967).
 
@@ -107,7 +107,7 @@ def momentum_drift(rao: Rao, *, among: Flags | None = None) -> Array:
     if not asked.k.size:
         return found
     forces = np.zeros((3, asked.k.size))
-    table = Table.of(strips, asked.encounter)
+    table = Answers.of(strips, asked.encounter)
     order = np.argsort(asked.encounter)
     for part in np.split(order, range(_AT_ONCE, order.size, _AT_ONCE)):
         forces[:, part] = _carried(strips, table, asked.of(part))
@@ -139,7 +139,7 @@ def asked_of(rao: Rao, some: Flags) -> Asked:
     )
 
 
-def _carried(strips: Strips, table: Table, asked: Asked) -> Array:
+def _carried(strips: Strips, table: Answers, asked: Asked) -> Array:
     """Mean X, Y and N about the origin over ρg: (3, waves)."""
     sent = sent_by_sections(strips, table, asked)
     toward = asked.k * np.stack([np.cos(asked.heading), -np.sin(asked.heading)])
@@ -252,7 +252,7 @@ def kochin(x: Array, asked: Asked, sent: Sent, path: Path) -> tuple[Complex, Com
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Table:
+class Answers:
     """What a unit flow through each node of the sections sends out across.
 
     `omega, K`: frequency aboard and ωₑ²/g [rad/s, 1/m]. `points, steps (stations, nodes)`. `across
@@ -271,7 +271,7 @@ class Table:
     sine: Array
 
     @classmethod
-    def of(cls, strips: Strips, encounter: Array) -> Table:
+    def of(cls, strips: Strips, encounter: Array) -> Answers:
         """For frequencies of encounter: of each, or of a grid where they are many."""
         omega = np.unique(encounter)
         if omega.size > GRID:
@@ -308,7 +308,7 @@ class Table:
         )
 
 
-def sent_by_sections(strips: Strips, table: Table, asked: Asked) -> Sent:
+def sent_by_sections(strips: Strips, table: Answers, asked: Asked) -> Sent:
     """What sections send out of the flow through their sides, which they answer, and their ends.
 
     Over k times the potential of the incident wave, flow is that of the motion less that of the
