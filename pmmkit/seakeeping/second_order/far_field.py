@@ -92,9 +92,9 @@ def momentum_drift(rao: Rao, *, among: Flags | None = None) -> Array:
     """Mean X, Y and N about midship, (3, speeds, headings, frequencies) [N/m², N m/m²].
 
     Action A dm that leaves along (m, ℓ) takes its own momentum and brings that of the incident
-    wave, whose action it was (Maruo 1960; Maruo 1963): X + iY = ∫A (k - (m, ℓ)) dm, with A = ρg/(8πk)
-    |H|² κ/|ℓ| and the action that roll damping takes beside. Its moment is that of H turned at one
-    κ, and N holds the interference with the wave that goes on too (Newman 1967).
+    wave, whose action it was (Maruo 1960; Maruo 1963): X + iY = ∫A (k - (m, ℓ)) dm, with
+    A = ρg/(8πk) |H|² κ/|ℓ| and the action that roll damping takes beside. Its moment is that of H
+    turned at one κ, and N holds the interference with the wave that goes on too (Newman 1967).
 
     Waves from abaft the beam are sent out as by a ship at rest that moves as she does, for strips
     at their long encounter are beyond reason; from there to 30° before the beam speed comes in.
