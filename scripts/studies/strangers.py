@@ -90,12 +90,15 @@ def particulars(hull: Hull) -> Iterator[tuple[str, str]]:
     """The lines of the ship: found in a draft, put in its place; the water is fresh."""
     for key in ("L", "B", "d", "mass", "Izz"):
         yield f"# {key} = ...", f"{key} = {getattr(hull, key)}"
-    yield "# side_gauges_x = [0.0, 0.0] ", f"side_gauges_x = {list(GAUGES)} "
     yield "# xG = 0.0 ", f"xG = {hull.xG} "
     if hull.rolls:
         yield "# zG = 0.0 ", f"zG = {hull.zG} "
         yield "# GM = ...", f"GM = {hull.GM}"
         yield "# Ix = ...", f"Ix = {hull.Ix}"
+
+
+PLACES: tuple[str, str] = ("# side_gauges_x = [0.0, 0.0] ", f"side_gauges_x = {list(GAUGES)} ")
+"""The line of two gauges, where a draft asks for their places."""
 
 
 def filled(draft: str, changes: Iterator[tuple[str, str]] | Sequence[tuple[str, str]]) -> str:
@@ -133,7 +136,7 @@ def play(name: str, place: Path, run: Typed = typed) -> Played:
     run(["new-campaign", str(folder)])
     file = folder / "campaign.toml"
     draft = file.read_text(encoding="utf-8")
-    with_ship = filled(draft, [item for item in particulars(hull) if item[0] in draft])
+    with_ship = filled(draft, [item for item in (*particulars(hull), PLACES) if item[0] in draft])
     whole = filled(with_ship, EDITS.get(name, ()))
     file.write_text(whole, encoding="utf-8")
     run(["check", str(folder)])

@@ -29,6 +29,7 @@ def test_a_library_ship_has_motions_responses_and_added_resistance(tmp_path, cap
     assert status == 0
     assert content["files"] == [
         "added_resistance.csv",
+        "hull.gdf",
         "mean_added_resistance.csv",
         "rao.csv",
         "rao.nc",

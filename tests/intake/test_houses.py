@@ -19,7 +19,7 @@ from pmmkit.intake.drafts.names import facts_of
 from scripts.datasets.strangers.houses import HOUSES, SPEED, programme
 from scripts.datasets.strangers.hulls import RHO, TANKER, forces, inertia
 from scripts.datasets.strangers.motions import circle, drift
-from scripts.studies.strangers import filled, held, particulars
+from scripts.studies.strangers import PLACES, filled, held, particulars
 
 QUESTIONS = 4
 """That a draft may leave to a person."""
@@ -42,7 +42,7 @@ def stated(house):
     _, folder = house
     file = folder / "campaign.toml"
     draft = file.read_text(encoding="utf-8")
-    asked = [item for item in particulars(TANKER) if item[0] in draft]
+    asked = [item for item in (*particulars(TANKER), PLACES) if item[0] in draft]
     file.write_text(filled(draft, asked), encoding="utf-8")
     return folder
 
