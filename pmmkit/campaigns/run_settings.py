@@ -496,7 +496,7 @@ class RunSettings(Registry[RunSetting]):
         Examples
         --------
         >>> [sorted(RUN_SETTINGS.ways_to_state(name)) for name in ("period", "yaw_rate")]
-        [['frequency_hz', 'period'], ['radius', 'yaw_rate']]
+        [['frequency_hz', 'period'], ['r_amplitude', 'radius', 'yaw_rate']]
         """
         return frozenset(
             item.in_file for item in self.values() if name in (item.name, *item.states)

@@ -187,7 +187,7 @@ def load_hull(name: str | Path) -> Hull:
     Examples
     --------
     >>> load_hull("tanker-320")
-    <Hull tanker-320: L 320 m, draught 20.8 m, 41 stations, volume 3.1226e+05 m³>
+    <Hull tanker-320: L 320 m, draught 20.8 m, 41 stations, volume 312262 m³>
     """
     text = str(name)
     if text.endswith(".toml"):
