@@ -26,6 +26,10 @@ from pmmkit.readers import Request
 _NONE: Final[Mapping[str, str]] = MappingProxyType({})
 
 
+GAUGES: Final = frozenset({"Y_forward", "Y_aft"})
+"""Side forces of two gauges, which tell side force and yaw moment."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ColumnSpec:
     """Where the campaign file says that a channel stands.
@@ -104,7 +108,7 @@ def pick(
             )
     on_earth = {"lat", "lon"} <= set(picked)
     steered = {"u", "v"} <= set(picked) and bool({"psi", "r"} & set(picked))
-    gauged = {"Y_forward", "Y_aft"} <= set(picked)
+    gauged = set(picked) >= GAUGES
     for name in required:
         if gauged and name in ("Y", "N"):
             continue

@@ -16,7 +16,7 @@ from pmmkit.base import CampaignError, DataError, Problem
 from pmmkit.campaigns.campaign import Campaign
 from pmmkit.campaigns.motion.hull_path import PLACE, recorded_in
 from pmmkit.campaigns.run import Run, at_hand
-from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick, unread
+from pmmkit.campaigns.samples.column_mapping import GAUGES, ColumnSpec, Picked, pick, unread
 from pmmkit.campaigns.samples.conversions import (
     Frame,
     Solver,
@@ -332,8 +332,6 @@ def _origin(lat: Array, lon: Array) -> tuple[float, float]:
 
 _OF_PATH: Final = (*PLACE, "u", "v", "r")
 """Channels that a file of the motion may hold."""
-GAUGES: Final = frozenset({"Y_forward", "Y_aft"})
-"""Side forces of two gauges, which tell side force and yaw moment."""
 STRUT_CHANNELS: Final = frozenset({"y_forward", "y_aft"})
 """Positions of two struts across the tank, which tell place and heading of the hull."""
 
@@ -476,28 +474,30 @@ def read_columns(
     return reader.columns(request, choose), picked, usual
 
 
+def _there(request: Request, specs: Mapping[str, ColumnSpec]) -> dict[str, ColumnSpec]:
+    """Those of some places of channels whose header a file has; not asked where there are none."""
+    titles = set(reader_for(request).names(request)) if specs else set()
+    return {name: spec for name, spec in specs.items() if spec.name in titles}
+
+
 def _in_file(request: Request, specs: Mapping[str, ColumnSpec]) -> dict[str, ColumnSpec]:
     """Where channels stand, without those of the path that another file holds."""
-    titles = set(reader_for(request).names(request))
-    return {
-        name: spec
-        for name, spec in specs.items()
-        if channel_of(name) not in _OF_PATH or spec.name is None or spec.name in titles
-    }
+    path = {name: x for name, x in specs.items() if channel_of(name) in _OF_PATH and x.name}
+    own = _there(request, path)
+    return {name: spec for name, spec in specs.items() if name not in path or name in own}
 
 
 def _motion_of(
     request: Request, specs: Mapping[str, ColumnSpec], context: Context
 ) -> dict[str, Array]:
     """The path of the hull from a file of its own, SI, our axes and signs."""
-    moved = {name: x for name, x in specs.items() if channel_of(name) in ("t", *_OF_PATH)}
-    titles = set(reader_for(request).names(request))
-    own = {name: spec for name, spec in moved.items() if spec.name in titles}
+    moved = ("t", *_OF_PATH)
+    own = _there(request, {name: x for name, x in specs.items() if channel_of(name) in moved})
     read, picked, _ = read_columns(request, own, ("t",))
     values = {
         column.name: column.apply(numbers)
         for column, numbers in zip(picked, read.values, strict=True)
-        if column.name in ("t", *_OF_PATH)
+        if column.name in moved
     }
     return to_ours(
         values, frame=context.frame, ship=context.ship, water=context.water, speed=context.speed

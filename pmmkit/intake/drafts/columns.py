@@ -143,6 +143,8 @@ def _judged(look: FileLook) -> FileLook:
 
 
 _LISTED: Final = 6
+GAUGES: Final = frozenset({"Y_forward", "Y_aft"})
+"""Two gauges of the side force, in place of side force and moment."""
 
 
 class Todo:
@@ -277,7 +279,7 @@ def column_lines(
         wanted = tuple(name for name in wanted if name not in ("x", "y"))
     if steered and {"r", "r_deg_s"} & known:
         wanted = tuple(name for name in wanted if name != "psi")
-    if {"Y_forward", "Y_aft"} <= known:
+    if known >= GAUGES:
         wanted = tuple(name for name in wanted if name not in ("Y", "N"))
     if kind == "free-running" and not table:
         wanted = (*wanted, *(name for name in _STEERED if name not in look.known))

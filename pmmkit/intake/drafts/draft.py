@@ -18,7 +18,7 @@ from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Campaign, open_campaign
 from pmmkit.conventions import CHANNEL_UNITS, Ship, channel_of, factor_to, unit_factor, unit_in_name
 from pmmkit.intake.blocks import kind_with
 from pmmkit.intake.checks.rest import rest_facts, zeros_off
-from pmmkit.intake.drafts.columns import ColumnChoice, column_parts, with_choices
+from pmmkit.intake.drafts.columns import GAUGES, ColumnChoice, column_parts, with_choices
 from pmmkit.intake.drafts.conventions import Proposal
 from pmmkit.intake.drafts.matrix import (
     HEADED,
@@ -501,7 +501,7 @@ def _bare_name(run: RunDraft) -> str:
     return "/".join(filter(None, (_PART.sub("", part) for part in parts)))
 
 
-_FORCES: Final = frozenset({"X", "Y", "N", "K", "Y_forward", "Y_aft"})
+_FORCES: Final = frozenset({"X", "Y", "N", "K"}) | GAUGES
 _MOTION: Final = frozenset({"x", "y", "psi", "psi_deg", "u", "v", "r", "y_forward", "y_aft"})
 _PART: Final = re.compile(
     r"(?:^|(?<=[a-z\d])[_\-. ]+)(?:forces?|loads?|balance|gauges?|dyn(?:amometer)?|motions?|"

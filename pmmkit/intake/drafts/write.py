@@ -7,7 +7,15 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
 from pmmkit.campaigns import Campaign
-from pmmkit.intake.drafts.columns import Todo, aligned, column_lines, commented, source_lines, toml
+from pmmkit.intake.drafts.columns import (
+    GAUGES,
+    Todo,
+    aligned,
+    column_lines,
+    commented,
+    source_lines,
+    toml,
+)
 from pmmkit.intake.drafts.conventions import Proposal
 from pmmkit.intake.drafts.draft import Draft, RunDraft
 from pmmkit.intake.drafts.entries import (
@@ -131,7 +139,7 @@ def _campaign(draft: Draft, todo: Todo) -> list[str]:
     if draft.kind == "free-running":
         todo.add("[campaign] rudder_positive, and [axes] if x, y or z point the other way.")
         return [*lines, _turns(draft.runs)]
-    gauged = any({"Y_forward", "Y_aft"} <= {*run.look.known} for run in draft.runs)
+    gauged = any({*run.look.known} >= GAUGES for run in draft.runs)
     if gauged:
         todo.add("[campaign] side_gauges_x: where do the gauges Y_forward and Y_aft stand?")
     else:
@@ -140,7 +148,7 @@ def _campaign(draft: Draft, todo: Todo) -> list[str]:
         *lines,
         _forces(draft.proposal, todo),
         *_signs(draft.proposal, todo, steered=_steered(draft)),
-        *([_GAUGES] if gauged else [_POINT]),
+        *([_PLACES] if gauged else [_POINT]),
         '# free = ["heave", "pitch"]      # TODO what the mount leaves free',
     ]
 
@@ -158,7 +166,7 @@ def _turns(runs: Sequence[RunDraft]) -> str:
 _POINT: Final = (
     "# moment_reference_x = 0.0       # TODO point to which moments refer, forward of midship"
 )
-_GAUGES: Final = "# side_gauges_x = [0.0, 0.0]     # TODO places of Y_forward and Y_aft [m]"
+_PLACES: Final = "# side_gauges_x = [0.0, 0.0]     # TODO places of Y_forward and Y_aft [m]"
 _TURNS: Final = 'rudder_positive = "starboard"    # TODO "port" if + rudder turns her to port'
 
 

@@ -96,18 +96,24 @@ def _table(file: Path, columns: Mapping[str, Array], form: str = "%.5f") -> None
         np.savetxt(stream, np.column_stack(list(columns.values())), fmt=form, delimiter=",")
 
 
+def _named(order: Order, **forms: str) -> str:
+    """The name of a test's file by the form of its kind."""
+    return forms[order.kind].format(U=SPEED, **order.set_to)
+
+
 def pounds(folder: Path, *, seed: int = 11) -> None:
     """Pounds and feet, in names too; gauges with zeros; a ramp at either end; a list of ship."""
     folder.mkdir(parents=True)
     rng = np.random.default_rng(seed)
     zeros = {"X": 2.1, "Y": -3.3, "N": 1.2}
     for number, order in enumerate(programme(), start=201):
-        read, own = recorded(order, rng, step=0.02, run_out=4.0, zeros=zeros), order.set_to
-        told = {
-            "drift": "SD_V3.94_B{beta:+03.0f}",
-            "sway": "PS_V3.94_T{T:.1f}_A{feet:.3f}ft",
-            "yaw": "PY_V3.94_T{T:.1f}_P{psi:.2f}deg",
-        }[order.kind].format(**own, feet=own.get("a", 0.0) / FOOT)
+        read, feet = recorded(order, rng, step=0.02, run_out=4.0, zeros=zeros), order.set_to.get("a")
+        told = _named(
+            order,
+            drift="SD_V3.94_B{beta:+03.0f}",
+            sway=f"PS_V3.94_T{{T:.1f}}_A{(feet or 0.0) / FOOT:.3f}ft",
+            yaw="PY_V3.94_T{T:.1f}_P{psi:.2f}deg",
+        )
         columns = {
             "Time (s)": read.t,
             "Carriage Speed (ft/s)": read.carriage / FOOT,
@@ -162,11 +168,7 @@ def monitors(folder: Path, *, seed: int = 13) -> None:
         t = np.arange(0.02, order.duration, 0.02)
         felt = forces(TANKER, order.driven(t))
         start = 1 + 0.5 * np.exp(-t / 1.2) * np.cos(5 * t)
-        told = {
-            "drift": "drift_{beta:g}deg_V1p2",
-            "sway": "pure_sway_T{T:g}s_A{a:g}m_V1p2",
-            "yaw": "pure_yaw_T{T:g}s_psi{psi:.3f}deg_V1p2",
-        }[order.kind].format(**order.set_to)
+        told = _named(order, drift="drift_{beta:g}deg_V1p2", sway="pure_sway_T{T:g}s_A{a:g}m_V1p2", yaw="pure_yaw_T{T:g}s_psi{psi:.3f}deg_V1p2")
         columns = {
             '"Physical Time: Physical Time (s)"': t,
             '"Force X Monitor: Force (N)"': start * felt["X"],
@@ -262,12 +264,12 @@ def _variables(read: Record) -> str:
 
 def _told(order: Order) -> str:
     """What a test was set to, in its title."""
-    form = {
-        "drift": "static drift beta={beta:g} deg",
-        "sway": "pure sway T={T:g} s ymax={a:g} m",
-        "yaw": "pure yaw T={T:g} s psi0={psi:.4g} deg",
-    }[order.kind]
-    return form.format(**order.set_to)
+    return _named(
+        order,
+        drift="static drift beta={beta:g} deg",
+        sway="pure sway T={T:g} s ymax={a:g} m",
+        yaw="pure yaw T={T:g} s psi0={psi:.4g} deg",
+    )
 
 
 def tecplot(folder: Path, *, seed: int = 17) -> None:
@@ -311,11 +313,7 @@ def phase_averaged(folder: Path, *, seed: int = 19) -> None:
     for order in programme():
         read, own = recorded(order, rng), order.set_to
         begun = read.t - REST - RAMP
-        told = {
-            "drift": "SD_U{U:.1f}_beta{beta:+g}",
-            "sway": "PS_U{U:.1f}_T{T:g}s_a{a:g}m",
-            "yaw": "PY_U{U:.1f}_T{T:g}s_psi{psi:.2f}deg",
-        }[order.kind].format(U=SPEED, **own)
+        told = _named(order, drift="SD_U{U:.1f}_beta{beta:+g}", sway="PS_U{U:.1f}_T{T:g}s_a{a:g}m", yaw="PY_U{U:.1f}_T{T:g}s_psi{psi:.2f}deg")
         forces = {name: read.forces[key] / unit for name, (key, unit) in units.items()}
         if order.kind == "drift":
             steady = begun > 1.0
@@ -344,12 +342,8 @@ def two_gauges(folder: Path, *, seed: int = 20) -> None:
     rng = np.random.default_rng(seed)
     fore, aft = GAUGES
     for order in programme():
-        read, own = recorded(order, rng), order.set_to
-        told = {
-            "drift": "SD_V{U:.2f}_b{beta:+g}",
-            "sway": "PureSway_V{U:.2f}_T{T:g}_A{a:g}m",
-            "yaw": "PureYaw_V{U:.2f}_T{T:g}_psi{psi:.2f}",
-        }[order.kind].format(U=SPEED, **own)
+        read = recorded(order, rng)
+        told = _named(order, drift="SD_V{U:.2f}_b{beta:+g}", sway="PureSway_V{U:.2f}_T{T:g}_A{a:g}m", yaw="PureYaw_V{U:.2f}_T{T:g}_psi{psi:.2f}")
         Y, N = read.forces["Y"], read.forces["N"]
         columns = {
             "Time [s]": read.t,
@@ -373,12 +367,8 @@ def without_headers(folder: Path, *, seed: int = 21) -> None:
         "Model: Lpp 4.0 m, B 0.7 m, T 0.25 m, displacement 450 kg, LCG 0.06 m\n"
     )
     for order in programme():
-        read, own = recorded(order, rng), order.set_to
-        told = {
-            "drift": "drift_{beta:+03.0f}",
-            "sway": "sway_T{T:g}_A{a:g}m",
-            "yaw": "yaw_T{T:g}_A{psi:.2f}deg",
-        }[order.kind].format(**own)
+        read = recorded(order, rng)
+        told = _named(order, drift="drift_{beta:+03.0f}", sway="sway_T{T:g}_A{a:g}m", yaw="yaw_T{T:g}_A{psi:.2f}deg")
         forces = (read.forces[name] for name in "XYN")
         columns = (read.t, read.carriage, *forces, read.y, np.degrees(read.psi))
         np.savetxt(folder / f"{told}.txt", np.column_stack(columns), "%12.5f")
@@ -391,11 +381,7 @@ def two_recorders(folder: Path, *, seed: int = 22) -> None:
     rng = np.random.default_rng(seed)
     for order in programme():
         own = order.set_to
-        told = {
-            "drift": "SD_U{U:.1f}_b{beta:+g}",
-            "sway": "PS_U{U:.1f}_T{T:g}_a{a:g}m",
-            "yaw": "PY_U{U:.1f}_T{T:g}_psi{psi:.2f}deg",
-        }[order.kind].format(U=SPEED, **own)
+        told = _named(order, drift="SD_U{U:.1f}_b{beta:+g}", sway="PS_U{U:.1f}_T{T:g}_a{a:g}m", yaw="PY_U{U:.1f}_T{T:g}_psi{psi:.2f}deg")
         read, seen = recorded(order, rng), recorded(order, rng, step=0.02)
         forces = {"Fx [N]": "X", "Fy [N]": "Y", "Mz [Nm]": "N"}
         columns = {"t [s]": read.t} | {name: read.forces[key] for name, key in forces.items()}
