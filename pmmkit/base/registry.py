@@ -136,6 +136,15 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
         guess = did_you_mean(name, self) or "."
         return self._unknown.format(name=name, guess=guess, names=", ".join(self))
 
+    def title_of(self, name: str) -> str:
+        """What figures call an entry: its ``title``; of any other name that with blanks."""
+        return getattr(self.get(name), "title", "") or name.replace("_", " ")
+
+    @property
+    def titles(self) -> Mapping[str, str]:
+        """What figures call each entry."""
+        return {name: self.title_of(name) for name in self}
+
     def derived(self, make: Callable[[Iterable[Entry]], Made]) -> Made:
         """What a function makes of all entries, made once as long as they stay the same."""
         if make not in self._derived:

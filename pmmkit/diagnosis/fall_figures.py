@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.base import DataError
+from pmmkit.effects import CATALOGUE
 from pmmkit.plotting import LIMIT, WIDTH, canvas, colour, hatch, legend_below, styled
 from pmmkit.presentation import figure_text
 
@@ -125,7 +126,7 @@ def _beside(axis: Axes, steps: Sequence[str], bars: Sequence[Bars]) -> None:
     width = 0.8 / len(steps)
     places = np.arange(len(bars))
     for number, step in enumerate(steps):
-        words = figure_text(step).replace("_", " ")
+        words = figure_text(CATALOGUE.title_of(step))
         axis.bar(
             places + (number - 0.5 * (len(steps) - 1)) * width,
             [own.errors[number] for own in bars],
@@ -144,6 +145,8 @@ def _beside(axis: Axes, steps: Sequence[str], bars: Sequence[Bars]) -> None:
 
 def _ticks(steps: Sequence[str]) -> list[str]:
     """The steps in short lines."""
-    lines = [textwrap.wrap(step.replace("_", " "), TICK, break_long_words=False) for step in steps]
+    lines = [
+        textwrap.wrap(CATALOGUE.title_of(step), TICK, break_long_words=False) for step in steps
+    ]
     words = ["\n".join(map(figure_text, own)) for own in lines]
     return [f"+ {word}" if number else word for number, word in enumerate(words)]

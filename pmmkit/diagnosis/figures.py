@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from pmmkit.effects import CATALOGUE
 from pmmkit.plotting import INK, LIMIT, REFERENCE, canvas, legend_below, styled
 from pmmkit.plotting import colour as colour_style
 from pmmkit.plotting import hatch as hatch_style
@@ -130,4 +131,4 @@ _LARGEST: Final = 30.0
 
 
 def _words(names: tuple[str, ...]) -> str:
-    return ",\n".join(figure_text(name).replace("_", " ") for name in names)
+    return ",\n".join(figure_text(CATALOGUE.title_of(name)) for name in names)

@@ -62,6 +62,7 @@ SQUAT: Final = Effect(
 )
 SINKAGE_TRIM: Final = Effect(
     name="sinkage_trim",
+    in_words="Sinkage and trim",
     family="attitude",
     kind="force",
     summary="Forces of sway that grow as the hull sits deeper, and turn with its trim.",

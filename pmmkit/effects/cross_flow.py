@@ -125,6 +125,7 @@ def force(
 _TABLE: Final = ("shape", "table")
 CROSSFLOW_DRAG: Final = Effect(
     name="crossflow_drag",
+    in_words="Cross-flow drag",
     family="cross_flow",
     kind="force",
     summary="Drag of the flow across each section, summed over the length.",

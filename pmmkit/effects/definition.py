@@ -209,6 +209,8 @@ class Effect(Described):
         Why captive tests, or free-running records, are not asked for it; empty where they are.
     text : str
         The words in which a user wrote it down.
+    in_words : str
+        What figures and pages call it, where that is not its name with blanks.
     """
 
     KINDS: ClassVar[tuple[Kind, ...]] = get_args(Kind)
@@ -258,6 +260,19 @@ class Effect(Described):
     not_captive: str = ""
     not_free_running: str = ""
     text: str = ""
+    in_words: str = ""
+
+    @property
+    def title(self) -> str:
+        """What figures and pages call it.
+
+        Examples
+        --------
+        >>> Effect(name="fault_gauge_gain", family="gauges", kind="fault", summary="").title
+        'Gauge gain'
+        """
+        plain = self.name.partition("_")[2] if self.faulty and "_" in self.name else self.name
+        return self.in_words or plain[:1].upper() + plain[1:].replace("_", " ")
 
     def _headline(self) -> str:
         asked = [where for where, reason in self._places() if not reason]

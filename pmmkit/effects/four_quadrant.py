@@ -213,6 +213,7 @@ _ANGLES: Final = ("beta_deg",)
 _ADVANCES: Final = ("J_astern",)
 FOUR_QUADRANT_PROPELLER: Final = Effect(
     name="four_quadrant_propeller",
+    in_words="Four-quadrant propeller",
     family="propeller",
     kind="force",
     roles=("propulsion",),

@@ -26,6 +26,7 @@ HULL_POLYNOMIAL: Final = Effect(
 )
 RUDDER_ABKOWITZ: Final = Effect(
     name=RUDDER_POLYNOMIAL,
+    in_words="Rudder (Abkowitz)",
     family="hull",
     kind="force",
     roles=("steering",),

@@ -88,6 +88,7 @@ MEMORY: Final = Effect(
 )
 LAGGED_CROSSFLOW: Final = Effect(
     name="lagged_crossflow",
+    in_words="Lagged cross-flow",
     family="memory",
     kind="state",
     not_free_running="in zigzags and turns `memory` stands for it",
@@ -108,6 +109,7 @@ LAGGED_CROSSFLOW: Final = Effect(
 )
 NONLINEAR_ADDED_MASS: Final = Effect(
     name="nonlinear_added_mass",
+    in_words="Nonlinear added mass",
     family="memory",
     kind="mass",
     not_free_running="sway accelerations of a free ship are too small: pure sway shows it",

@@ -177,6 +177,7 @@ _MMG: Final = ("inflow", "mmg")
 _STALL: Final = ("stall", "smooth", "linear")
 RUDDER_MMG: Final = Effect(
     name="rudder_mmg",
+    in_words="Rudder (MMG)",
     family="rudder",
     kind="force",
     roles=("steering",),
@@ -268,7 +269,9 @@ def stall_of_the_rudder(vessel: Vessel) -> Mapping[str, Move]:
     }
 
 
-def _freed(name: str, summary: str, sizes: Mapping[str, float], *, check: str) -> Effect:
+def _freed(
+    name: str, summary: str, sizes: Mapping[str, float], *, check: str, in_words: str = ""
+) -> Effect:
     return Effect(
         name=name,
         family="rudder",
@@ -283,6 +286,7 @@ def _freed(name: str, summary: str, sizes: Mapping[str, float], *, check: str) -
         ),
         sources=("yasukawa_yoshimura_2015", "son_nomoto_1981"),
         check=check,
+        in_words=in_words,
         not_captive="captive tests are reduced to derivatives, which hold the rudder as it is",
     )
 
@@ -304,5 +308,6 @@ RUDDER_HULL_INTERACTION: Final = _freed(
     "Force that the rudder raises on the hull.",
     {"aH": 0.1, "xH": 0.15, "tR": 0.1},
     check="captive rudder with a rudder gauge",
+    in_words="Rudder–hull interaction",
 )
 EFFECTS: Final = (RUDDER_MMG, FLOW_STRAIGHTENING, RUDDER_SLIPSTREAM, RUDDER_HULL_INTERACTION)

@@ -58,6 +58,7 @@ RESISTANCE_CURVE: Final = Effect(
 )
 WAVE_MAKING_HUMP: Final = Effect(
     name="wave_making_hump",
+    in_words="Wave-making hump",
     family="speed",
     kind="force",
     summary="A hump of the resistance about one Froude number.",
@@ -88,6 +89,7 @@ FROUDE_LINEAR: Final = terms(
     check="a third speed",
     excites=("several speeds",),
     not_free_running=_APPROACH,
+    in_words="Speed in linear terms",
 )
 FROUDE_NONLINEAR: Final = terms(
     "froude_nonlinear",
@@ -98,6 +100,7 @@ FROUDE_NONLINEAR: Final = terms(
     check="amplitude steps at the extreme speeds",
     excites=("several speeds",),
     not_free_running=_APPROACH,
+    in_words="Speed in nonlinear terms",
 )
 FROUDE_COUPLING: Final = terms(
     "froude_coupling",
@@ -108,6 +111,7 @@ FROUDE_COUPLING: Final = terms(
     check="yaw with drift at the extreme speeds",
     excites=("several speeds",),
     not_free_running=_APPROACH,
+    in_words="Speed in coupling terms",
 )
 FROUDE_SURGE: Final = terms(
     "froude_surge",
@@ -118,6 +122,7 @@ FROUDE_SURGE: Final = terms(
     check="static drift and pure yaw at the extreme speeds",
     excites=("several speeds",),
     not_free_running=_APPROACH,
+    in_words="Speed in surge terms",
 )
 EFFECTS: Final = (
     RESISTANCE_CURVE,

@@ -113,6 +113,7 @@ _SHALLOW: Final = {
 }
 TANKER_BIS: Final = Effect(
     name="tanker_bis",
+    in_words="Tanker (bis system)",
     family="propeller",
     kind="force",
     roles=("propulsion", "steering"),

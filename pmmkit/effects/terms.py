@@ -100,6 +100,7 @@ EFFECTS: Final = (
         {"Yv|v|": -0.020, "Nv|v|": 0.004},
         sources=("fedyaevsky_sobolev_1964", "norrbin_1971"),
         check="static drift at 15 to 25°, or pure sway at a third amplitude",
+        in_words="Sway drag v|v|",
     ),
     terms(
         "modulus_yaw_drag",
@@ -108,6 +109,7 @@ EFFECTS: Final = (
         {"Yr|r|": 0.0022, "Nr|r|": -0.0017},
         sources=("norrbin_1971",),
         check="pure yaw at r' 0.8, or circular motion",
+        in_words="Yaw drag r|r|",
     ),
     terms(
         "cubic_hull_terms",
@@ -127,6 +129,7 @@ EFFECTS: Final = (
         check="static drift to 25°, circular motion at r' 1",
         excites=("large motion",),
         not_free_running="sway and yaw go together in free running: the modulus terms stand for it",
+        in_words="Higher-order hull terms",
     ),
     terms(
         "yaw_sway_coupling",
@@ -135,6 +138,7 @@ EFFECTS: Final = (
         {"Yvvr": 0.0214, "Yvrr": -0.0405, "Nvvr": -0.0424, "Nvrr": 0.00156},
         sources=("son_nomoto_1981",),
         check="yaw with drift at two drift angles of both signs",
+        in_words="Yaw–sway coupling",
     ),
     terms(
         "surge_yaw_coupling",
@@ -143,6 +147,7 @@ EFFECTS: Final = (
         {"Xvr": 0.0039},
         sources=("yasukawa_yoshimura_2015",),
         check="yaw with drift at two drift angles",
+        in_words="Surge–yaw coupling",
     ),
     terms(
         "surge_quadratic",
@@ -151,6 +156,7 @@ EFFECTS: Final = (
         {"Xvv": -0.0039, "Xrr": 0.0005},
         sources=("son_nomoto_1981",),
         check="static drift and pure yaw, surge force",
+        in_words="Surge of second order",
     ),
     terms(
         "surge_fourth_order",
@@ -159,6 +165,7 @@ EFFECTS: Final = (
         {"Xvvvv": 0.05},
         sources=("yasukawa_yoshimura_2015",),
         check="static drift to 20°",
+        in_words="Surge of fourth order",
     ),
     terms(
         "asymmetry",

@@ -47,6 +47,7 @@ def animate(
     *,
     frames: int = 100,
     fps: int = 10,
+    called: Callable[[str], str] = str,
     progress: Progress | None = None,
 ) -> Path:
     """Write a manoeuvre as an animation, all or nothing: `Track.animate`.
@@ -61,6 +62,8 @@ def animate(
         Pictures, at equal steps of time.
     fps : int
         Pictures in a second.
+    called : callable, optional
+        From the name of an effect to what the legend calls it.
     progress : Progress, optional
         Told how many pictures are drawn.
 
@@ -83,7 +86,7 @@ def animate(
     write = _writer(target)
 
     def told() -> Iterator[Image]:
-        for place, picture in enumerate(_pictures(track, frames), 1):
+        for place, picture in enumerate(_pictures(track, frames, called), 1):
             yield picture
             if progress is not None:
                 progress(place, frames, f"frames of {target.name}")
@@ -136,7 +139,7 @@ def _mp4(coder: str, pictures: Iterator[Image], path: Path, fps: int) -> None:
         raise DataError(f"ffmpeg cannot write MP4: {said.decode(errors='replace').strip()}")
 
 
-def _pictures(track: TrackLike, frames: int) -> Iterator[Image]:
+def _pictures(track: TrackLike, frames: int, called: Callable[[str], str]) -> Iterator[Image]:
     """The frames; what stands still is drawn once."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL.Image import frombuffer
@@ -147,7 +150,7 @@ def _pictures(track: TrackLike, frames: int) -> Iterator[Image]:
         for name in ("x", "y", "psi", "u", "v", "delta")
     }
     pushing = {
-        name: np.array([np.interp(t, track.t, x) for x in own])
+        called(name): np.array([np.interp(t, track.t, x) for x in own])
         for name, own in track.forces.items()
     }
     figure = style.canvas(5.6)
@@ -227,7 +230,7 @@ def _from_above(axis: Axes, L: float, delta: Array, forces: Mapping[str, Array])
             marker=style.marker(i),
             ms=3.5,
             color=colours[i],
-            label=figure_text(name.replace("_", " ")),
+            label=figure_text(name),
             zorder=5,
         )
         marks.append(mark)

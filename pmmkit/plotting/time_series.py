@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -218,7 +218,7 @@ def histories(track: TrackLike) -> Figure:
     return figure
 
 
-def forces_over_time(track: TrackLike) -> Figure:
+def forces_over_time(track: TrackLike, called: Callable[[str], str]) -> Figure:
     """X, Y and N of each effect over time, and their sum."""
     with style.styled():
         figure = style.canvas(6.4)
@@ -236,7 +236,7 @@ def forces_over_time(track: TrackLike) -> Figure:
                     own[row] / size,
                     color=style.colour(number),
                     ls=style.dash(number),
-                    label=figure_text(name.replace("_", " ")),
+                    label=figure_text(called(name)),
                 )
             style.widened(axis)
             axis.set_title(f"{title} [{unit}{' m' if title == 'N' else ''}]")
@@ -252,7 +252,10 @@ Drawn = Literal["turning circle", "zigzag", "spiral", "path"]
 
 
 def manoeuvre(
-    tracks: Sequence[TrackLike], drawn: Drawn, names: Sequence[str] | None = None
+    tracks: Sequence[TrackLike],
+    drawn: Drawn,
+    names: Sequence[str] | None = None,
+    called: Callable[[str], str] = str,
 ) -> dict[str, Figure]:
     """The figures that show a manoeuvre, by the name of their file.
 
@@ -265,10 +268,11 @@ def manoeuvre(
         How it is drawn.
     names : sequence of str, optional
         Of several tracks in the legend.
+    called : callable, optional
+        From the name of an effect to what the legend calls it.
     """
-    pushed = (
-        {"forces": forces_over_time(tracks[0])} if len(tracks) == 1 and tracks[0].forces else {}
-    )
+    alone = len(tracks) == 1 and tracks[0].forces
+    pushed = {"forces": forces_over_time(tracks[0], called)} if alone else {}
     if drawn == "turning circle":
         turned = trajectory(tracks, names), turn_histories(tracks, names)
         return {"trajectory": turned[0], "histories": turned[1], **pushed}

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pmmkit.base import Progress, UnknownNameError
 from pmmkit.conventions import METRICS, Metric
+from pmmkit.effects import CATALOGUE
 from pmmkit.models import Standing
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, number
@@ -252,7 +253,7 @@ class Track(Described):
         from pmmkit.plotting import manoeuvre
 
         known = self._known()
-        return manoeuvre([self], known.drawn if known else "path")
+        return manoeuvre([self], known.drawn if known else "path", called=CATALOGUE.title_of)
 
     def plot(self) -> Figure:
         """The first of the figures that show the manoeuvre."""
@@ -304,7 +305,8 @@ class Track(Described):
         """
         from pmmkit.plotting import animate
 
-        return animate(self, path, frames=frames, fps=fps, progress=progress)
+        called = CATALOGUE.title_of
+        return animate(self, path, frames=frames, fps=fps, called=called, progress=progress)
 
     def _headline(self) -> str:
         angle = f" {self.rudder_deg:.1f}°" if self.rudder_deg else ""

@@ -188,9 +188,14 @@ def data_routes(
         write("campaign", partial(_campaign, desk)),
         write("window", partial(_window, desk)),
         write("unwindow", partial(_unwindow, desk)),
-        write("again", lambda asked: desk.again(revision_of(asked)).to_dict()),
+        write("again", lambda asked: desk.again(revision_of(asked), _parts_in(asked)).to_dict()),
         Route("/api/drop", partial(_drop, desk), methods=["POST"]),
     ]
+
+
+def _parts_in(asked: Mapping[str, Any]) -> str | None:
+    """Who is to lend propeller and rudder; None for who does already."""
+    return str(asked["parts"]) if "parts" in asked else None
 
 
 async def _drop(desk: Desk, request: Request) -> Response:

@@ -15,9 +15,9 @@ from pmmkit.base import DataError, PmmkitError, __version__
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import STRUCTURES, Criterion
 from pmmkit.diagnosis import read_session
-from pmmkit.effects import own_effect
+from pmmkit.effects import CATALOGUE, own_effect
 from pmmkit.files import datasets_folder
-from pmmkit.models import Model, load_model, ships
+from pmmkit.models import Model, load_model, load_ship, ships
 from pmmkit.views import page_of, trials_page
 from pmmkit.workbench.campaigns import AnswerCache, OpenCampaigns
 from pmmkit.workbench.saved import (
@@ -44,6 +44,11 @@ Actions = Callable[[str], Any]
 """The actions by their names: whoever opens a page gives them, the page knows none by itself."""
 
 
+def _reduced(model: str) -> bool:
+    """Whether a base is reduced from the tests: a structure, or nothing, is named."""
+    return not model or model in STRUCTURES
+
+
 def command_lines(state: WorkbenchState, folder: Path, action: Actions) -> list[dict[str, str]]:
     """What was done so far, as commands."""
     tests = tuple(map(Path, state.campaigns))
@@ -56,7 +61,7 @@ def command_lines(state: WorkbenchState, folder: Path, action: Actions) -> list[
         found.append({"what": what, "effect": effect, "line": line})
 
     base = state.model
-    if not base or base in STRUCTURES:
+    if _reduced(base):
         reduced = folder / "reduced"
         add(
             "reduce",
@@ -173,6 +178,7 @@ class Desk:
             "opened": False,
             "structures": sorted(STRUCTURES),
             "ships": sorted(ships()),
+            "titles": CATALOGUE.titles,
             "revision": -1,
         }
         if state is None:
@@ -343,7 +349,16 @@ class Desk:
             "windy": any("wind_speed" in part.known.needs for part in model.parts.values()),
             "shallow": model.feels("depth"),
             "scale": model.scale,
+            "parts": state.parts,
+            "lenders": self._lenders(state),
         }
+
+    def _lenders(self, state: WorkbenchState) -> list[str]:
+        """Library ships of the same form, whose propeller and rudder a reduced base may have."""
+        if not _reduced(state.model):
+            return []
+        tested = self._open.sailing(state).ship
+        return [name for name in ships() if not load_ship(name).form_apart(tested)]
 
     # What is done ---------------------------------------------------------------------------------
 
@@ -360,12 +375,11 @@ class Desk:
             for name in (model, asked.parts):
                 if name and name not in STRUCTURES and name not in ships():
                     self.named(name)
-            if asked.parts and model and model not in STRUCTURES:
+            if asked.parts and not _reduced(model):
                 raise DataError(f"{model} has its own parts: {asked.parts} lends to a structure.")
             if _lent(places[0]) and not model:
                 model = DEMONSTRATION[1]
-            reduced = not model or model in STRUCTURES
-            lent = asked.parts or (_lent(places[0]) if reduced else "")
+            lent = asked.parts or (_lent(places[0]) if _reduced(model) else "")
             revision = -1 if self._state is None else self._state.revision
             state = replace(asked, model=model, parts=lent, revision=revision + 1, steps=())
             more = {"model": model or self.structure, "parts": lent or None}
@@ -396,10 +410,17 @@ class Desk:
         with self._changing:
             return self._worker.start("diagnose", self._asked(self._current(revision)))
 
-    def again(self, revision: int) -> Job:
-        """Do anew what depends on the campaign file: the base, each step, the derivatives."""
+    def again(self, revision: int, parts: str | None = None) -> Job:
+        """Do anew what depends on the campaign file: the base, each step, the derivatives; with
+        propeller and rudder of another ship where one is named, of none where it is empty."""
         with self._changing:
             state = self._current(revision)
+            if parts is not None:
+                lenders = self._lenders(state)
+                if parts and parts not in lenders:
+                    can = f"these can: {', '.join(lenders)}" if lenders else "no ship here can"
+                    raise DataError(f"{parts} cannot lend propeller and rudder; {can}.")
+                state = replace(state, parts=parts)
             more = {"model": state.model or self.structure, "parts": state.parts or None}
             job = self._worker.start("again", self._asked(state) | more)
             self._change(replace(state, revision=state.revision + 1))

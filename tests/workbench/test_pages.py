@@ -219,6 +219,21 @@ def test_a_turn_is_that_of_the_simulator_in_ship_lengths():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("share", "passed"), [(1.0, True), (0.2, None)])
+def test_a_limit_inside_the_band_is_neither_met_nor_failed(share, passed):
+    """KVLCC2's advance is 3.0 L, with a fifth of her rudder far more: what if either may be hers?"""
+    model = load_model("kvlcc2")
+    area = share * model.parts["rudder_mmg"].values["area"]
+    other = model.with_values("rudder_mmg", area=area)
+    rivals = [(model, 1.0, ()), (other, 1.0, ("small rudder",))]
+    page = page_of(model, "turning", speed=7.97, band=True, rivals=rivals)
+    (advance,) = (item for item in page["verdicts"] if item["criterion"] == "advance")
+    low, high = page["band"]["measures"]["advance_L"]
+    assert (low <= 4.5 < high) is (passed is None)
+    assert advance["passed"] is passed
+
+
+@pytest.mark.slow
 def test_measured_tracks_are_those_of_the_trials_at_the_scale_of_the_ship(sailed, esso_osaka):
     """Froude's law: four times the length, twice the time; paths in lengths stay."""
     length = esso_osaka.ship.L

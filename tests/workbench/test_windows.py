@@ -110,6 +110,31 @@ def test_a_window_that_leaves_too_little_is_refused_and_nothing_is_written(
     assert (folder / "campaign.toml").read_bytes() == before
 
 
+def test_a_ship_of_the_same_form_lends_propeller_and_rudder_and_takes_them_back(browser, desk):
+    """Page and command end in the same parts, at the scale of the tests; the hull stays."""
+    done(browser, "again")
+    own = load_model(desk.folder / "model_0.toml")
+    assert browser.get("/api/range").json["lenders"] == ["s175", "s175-3dof"]
+    state = done(browser, "again", parts="s175-3dof")
+    assert "--parts s175-3dof" in state["commands"][0]["line"]
+    lent, donor = load_model(desk.folder / "model_0.toml"), load_model("s175-3dof")
+    rudder = [model.parts["rudder_mmg"].values for model in (lent, donor, own)]
+    assert rudder[0] == rudder[1] != rudder[2]
+    hulls = [model.parts["hull_polynomial"].values for model in (lent, own)]
+    assert hulls[0]["Yv"] == hulls[1]["Yv"]
+    assert browser.get("/api/range").json["parts"] == "s175-3dof"
+    done(browser, "again", parts="")
+    assert load_model(desk.folder / "model_0.toml").parts == own.parts
+
+
+def test_who_cannot_lend_is_told_and_nothing_changes(browser):
+    revision = browser.get("/api/state").json["revision"]
+    answer = browser.post("/api/again", {"revision": revision, "parts": "kvlcc2"})
+    assert answer.status == 400
+    assert "kvlcc2 cannot lend propeller and rudder; these can: s175" in answer.json["error"]
+    assert browser.get("/api/state").json["revision"] == revision
+
+
 def test_a_page_that_is_behind_writes_no_window(browser):
     asked = {"revision": -5, "run": RUN, "t_start": 5.0, "t_end": 9.0, "reason": "old"}
     assert browser.post("/api/window", asked).status == 409

@@ -64,6 +64,7 @@ EFFECTS: Final = (
             size(ANTENNA[0], "m", 15.0, "forward of midship"),
             size(ANTENNA[1], "m", 5.0, "starboard of the centreline"),
         ),
+        in_words="Position of the antenna",
     ),
     _fault(
         "fault_heading_offset",
@@ -78,5 +79,6 @@ EFFECTS: Final = (
         _shown(LOG_GAIN, 1.0, lambda _: 0.02),
         "a run over a measured mile and back",
         parameters=(size(LOG_GAIN, "-", 0.02, "of the velocity"),),
+        in_words="Gain of the speed log",
     ),
 )

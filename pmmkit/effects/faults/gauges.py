@@ -185,6 +185,7 @@ EFFECTS: Final = (
             ),
         ),
         check="pull with weights along each axis",
+        in_words="Cross-talk of the gauges",
     ),
     fault(
         "fault_gauge_gain",
@@ -236,6 +237,7 @@ EFFECTS: Final = (
                 channels=("N",),
             ),
         ),
+        in_words="Point of the moments",
     ),
     fault(
         "fault_inertia",
@@ -261,6 +263,7 @@ EFFECTS: Final = (
                 by_size=True,
             ),
         ),
+        in_words="Inertia stated wrong",
     ),
     fault(
         "fault_gauge_drift",
@@ -285,6 +288,7 @@ EFFECTS: Final = (
         check="zero records between the runs; repeat the first run at the end",
         excites=("repeats",),
         not_free_running=AT_SEA,
+        in_words="Gauge drift through the day",
     ),
     suspicion(
         "fault_gauge_clipping",

@@ -212,6 +212,7 @@ EFFECTS: Final = (
                 slip=True,
             ),
         ),
+        in_words="PMM amplitude",
     ),
     fault(
         "fault_pmm_phase",
@@ -228,6 +229,7 @@ EFFECTS: Final = (
             ),
         ),
         check="record both rams",
+        in_words="PMM phase",
     ),
     fault(
         "fault_carriage_speed",
@@ -304,6 +306,7 @@ EFFECTS: Final = (
                 applies=lambda kind: kind.yaws or kind.circles,
             ),
         ),
+        in_words="Point of the motions",
     ),
     fault(
         "fault_transient",
@@ -317,5 +320,6 @@ EFFECTS: Final = (
         check="leave out more cycles",
         sources=(ITTC_CAPTIVE,),
         each_run=True,
+        in_words="Forces of the start",
     ),
 )

@@ -101,6 +101,7 @@ EFFECTS: Final[tuple[Effect, ...]] = (
         times,
         tuple(suspect for channel in CHANNELS for suspect in _units(channel)),
         parameters=_FACTORS,
+        in_words="Unit stated wrong",
     ),
     suspicion(
         "slip_sign",
@@ -109,6 +110,7 @@ EFFECTS: Final[tuple[Effect, ...]] = (
         times,
         tuple(map(_sign, CHANNELS)),
         parameters=_FACTORS,
+        in_words="Sign stated wrong",
     ),
     suspicion(
         "slip_half_hull",
@@ -127,6 +129,7 @@ EFFECTS: Final[tuple[Effect, ...]] = (
             ),
         ),
         parameters=_FACTORS,
+        in_words="Forces of half a hull",
     ),
     suspicion(
         "slip_exchanged_channels",
@@ -173,6 +176,7 @@ EFFECTS: Final[tuple[Effect, ...]] = (
                 applies=lambda kind: not kind.pure,
             ),
         ),
+        in_words="Side stated wrong",
     ),
     suspicion(
         "slip_velocities_in_tank_axes",

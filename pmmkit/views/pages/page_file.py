@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.base import __version__
+from pmmkit.effects import CATALOGUE
 from pmmkit.files import plain
 from pmmkit.presentation import printable
 
@@ -249,6 +250,7 @@ def state_of(*, title: str, kind: str, runs: int, model: str) -> dict[str, Any]:
         "model": model,
         "steps": [],
         "commands": [],
+        "titles": CATALOGUE.titles,
     }
 
 

@@ -49,6 +49,7 @@ def sailed_page(
         try:
             found = Bands.of(model, manoeuvre, among=among, **how)
             page["band"] = {**_band(found), "rivals": [list(effects) for _, _, effects in rivals]}
+            page["verdicts"] = [_settled(item, found) for item in page["verdicts"]]
         except PmmkitError as error:
             page["notes"] = [*page["notes"], str(error)]
     return page
@@ -141,6 +142,7 @@ def track_page(track: Track) -> dict[str, Any]:
         "verdicts": [
             {
                 "criterion": item.criterion,
+                "metric": item.metric,
                 "limit": item.limit,
                 "value": short(item.value),
                 "unit": item.unit,
@@ -151,6 +153,12 @@ def track_page(track: Track) -> dict[str, Any]:
         "notes": [*track.notes, *track.standing.remarks],
         "unsettled": list(track.standing.unsettled),
     }
+
+
+def _settled(verdict: dict[str, Any], found: Bands) -> dict[str, Any]:
+    """A verdict, neither met nor failed where the limit lies inside the band of its number."""
+    low, high = found.measures[verdict["metric"]]
+    return verdict | {"passed": None} if low <= verdict["limit"] < high else verdict
 
 
 def _band(found: Bands) -> dict[str, Any]:

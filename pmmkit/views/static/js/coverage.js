@@ -1,8 +1,8 @@
 // What these runs could show: of each effect the size that could hide, over its usual size.
 
 import { el, svg } from "./dom.js";
-import { t } from "./words.js";
-import { num, plainWord } from "./format.js";
+import { t, titleOf } from "./words.js";
+import { num } from "./format.js";
 
 const LARGEST = 30;
 
@@ -28,7 +28,7 @@ export function coveragePanel(covered) {
     const y = top + row * i;
     const end = at(sizes[i]);
     root.append(
-      svg("text", { x: left - 8, y: y + 13, "text-anchor": "end" }, plainWord(item.effect)),
+      svg("text", { x: left - 8, y: y + 13, "text-anchor": "end" }, titleOf(item.effect)),
       svg("rect", { class: item.shown ? "bar" : "bar first", x: left, y: y + 3, height: 12, width: Math.max(end - left, 1.5), rx: 2 }),
       svg("text", { x: end + 5, y: y + 13 }, item.size !== null && item.size <= LARGEST ? num(item.size, 2) : `> ${LARGEST}`),
     );

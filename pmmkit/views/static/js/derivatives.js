@@ -1,8 +1,8 @@
 // Place 2: the derivatives, with what determines each.
 
 import { el, refill, svg } from "./dom.js";
-import { t } from "./words.js";
-import { num, plainWord } from "./format.js";
+import { t, titleOf } from "./words.js";
+import { num } from "./format.js";
 import { frozen } from "./api.js";
 import { roomOf } from "./linear.js";
 
@@ -80,7 +80,7 @@ function drawDetail(root, found, row) {
 function forest(detail, found, row) {
   const lines = found.speeds.flatMap((speed, k) => [
     { title: speed, own: row.values[k], first: true, published: row.published[k] ?? row.published[0] },
-    ...row.families.filter((family) => family.values[k]).map((family) => ({ title: plainWord(family.title), own: family.values[k] })),
+    ...row.families.filter((family) => family.values[k]).map((family) => ({ title: titleOf(family.title), own: family.values[k] })),
   ]).filter((line) => line.own && line.own.value !== null);
   if (!lines.length) return el("p", { class: "soft" }, "–");
   const main = lines.filter((line) => line.first);

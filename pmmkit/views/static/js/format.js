@@ -31,15 +31,6 @@ export function signed(value, digits = 3) {
   return value > 0 ? `+${num(value, digits)}` : num(value, digits);
 }
 
-// Of a criterion: the class of what is said, and its mark. A model that is not usable settles none.
-export function judgement(item) {
-  return item.passed === null ? ["soft", "?"] : item.passed ? ["met", "✓"] : ["unmet", "✗"];
-}
-
-export function plainWord(name) {
-  return name.replaceAll("_", " ");
-}
-
 export function bytes(size) {
   return size >= 1e9 ? `${num(size / 1e9)} GB` : size >= 1e6 ? `${num(size / 1e6)} MB` : `${num(size / 1e3)} kB`;
 }

@@ -3,8 +3,8 @@
 import { el, refill } from "./dom.js";
 import { begin } from "./begin.js";
 import { frozen, get, post, wordsOf } from "./api.js";
-import { LANGUAGES, language, setWords, t } from "./words.js";
-import { num, plainWord } from "./format.js";
+import { LANGUAGES, language, setTitles, setWords, t, titleOf } from "./words.js";
+import { num } from "./format.js";
 import { showData } from "./data.js";
 import { showDerivatives } from "./derivatives.js";
 import { showWhere } from "./where.js";
@@ -77,6 +77,7 @@ const app = {
 async function refresh() {
   const before = app.state;
   app.state = await get("state");
+  setTitles(app.state.titles);
   const job = app.state.job;
   const changed = !before || before.revision !== app.state.revision || before.opened !== app.state.opened
     || (before.job.stand === "running" && job.stand !== "running");
@@ -125,7 +126,7 @@ function drawRail(state) {
   refill(parts.rail,
     el("ol", { "aria-label": t("steps"), tabindex: 0 },
       el("li", { class: steps.length ? "" : "last" }, t("base")),
-      steps.map((step, i) => el("li", { class: i === steps.length - 1 ? "last" : "", title: step.note }, step.campaign ? t("fault_of", { effect: plainWord(step.effect), campaign: step.campaign }) : plainWord(step.effect)))),
+      steps.map((step, i) => el("li", { class: i === steps.length - 1 ? "last" : "", title: step.note }, step.campaign ? t("fault_of", { effect: titleOf(step.effect), campaign: step.campaign }) : titleOf(step.effect)))),
     steps.length && !frozen ? el("button", { disabled: app.busy(), on: { click: () => app.act("undo") } }, t("undo")) : null,
     state.commands?.length ? el("button", { on: { click: showCommands } }, t("commands")) : null,
     jobBar(state.job));

@@ -1,8 +1,8 @@
 // Place 4: what is missing. Candidates, what each would do, and how the error falls.
 
 import { el, refill, svg } from "./dom.js";
-import { t } from "./words.js";
-import { fixed, num, plainWord, unitOf } from "./format.js";
+import { t, titleOf } from "./words.js";
+import { fixed, num, unitOf } from "./format.js";
 import { recordPlots } from "./recordplots.js";
 import { legend, runPlots } from "./runplots.js";
 import { turnPanel } from "./sailed.js";
@@ -59,16 +59,16 @@ function answer(found, app, view) {
 function candidate(item, app, view, drawn) {
   const preview = () => view.draw([item.effect]);
   const leave = () => view.draw(app.pair);
-  const name = el("button", { class: "link", title: t("show_effect", { effect: plainWord(item.effect) }), on: { focus: preview, click: preview } }, plainWord(item.effect));
+  const name = el("button", { class: "link", title: t("show_effect", { effect: titleOf(item.effect) }), on: { focus: preview, click: preview } }, titleOf(item.effect));
   const tick = item.share && drawn ? el("input", {
-    type: "checkbox", checked: app.pair.includes(item.effect), "aria-label": t("compare_effect", { effect: plainWord(item.effect) }), value: item.effect,
+    type: "checkbox", checked: app.pair.includes(item.effect), "aria-label": t("compare_effect", { effect: titleOf(item.effect) }), value: item.effect,
     on: { change: (event) => pairUp(event.target, app, view) },
   }) : null;
   return el("li", { on: { mouseenter: preview, mouseleave: leave } },
     el("span", { class: "name" }, name,
       item.named ? el("span", { class: "tag named" }, t("named")) : null,
       item.kind === "fault" ? el("span", { class: "tag fault" }, item.campaign ? t("of_campaign", { campaign: item.campaign }) : t("fault")) : null),
-    frozen || !item.offered ? null : el("button", { class: item.named ? "primary" : "", disabled: app.busy(), "aria-label": t(item.kind === "fault" ? "correct_effect" : "add_effect", { effect: plainWord(item.effect) }), on: { click: () => app.act("add", { effect: item.effect, campaign: item.campaign ?? "" }) } },
+    frozen || !item.offered ? null : el("button", { class: item.named ? "primary" : "", disabled: app.busy(), "aria-label": t(item.kind === "fault" ? "correct_effect" : "add_effect", { effect: titleOf(item.effect) }), on: { click: () => app.act("add", { effect: item.effect, campaign: item.campaign ?? "" }) } },
       item.kind === "fault" ? t("correct") : t("add")),
     el("p", { class: "summary" }, item.summary, item.kind === "fault" ? ` ${t("fault_about")}` : ""),
     item.share ? meter(t("takes_away"), item.share) : null,
@@ -77,7 +77,7 @@ function candidate(item, app, view, drawn) {
     item.said ? el("p", { class: "summary" }, item.said) : null,
     item.share ? el("p", { class: "summary number" }, Object.entries(item.share.channels).map(([channel, share]) => `${t(`channel_${channel}`)} ${percent(share)}`).join(" · ")) : null,
     item.lost ? el("p", { class: "summary" }, t("lost_motion")) : null,
-    item.rivals.length ? el("p", { class: "summary" }, t("resembles", { names: item.rivals.map(plainWord).join(", ") })) : null,
+    item.rivals.length ? el("p", { class: "summary" }, t("resembles", { names: item.rivals.map(titleOf).join(", ") })) : null,
     item.test ? el("p", { class: "summary" }, t("to_be_sure", { test: item.test })) : null,
     item.coefficients.length ? coefficients(item.coefficients) : null,
     tick ? el("label", { class: "summary tick" }, tick, t("compare")) : null);
@@ -96,7 +96,7 @@ function beside(items) {
   const row = (title, give) => el("tr", {}, el("th", { scope: "row" }, title), items.map((item) => el("td", {}, give(item))));
   return el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("side_by_side") },
     el("table", { class: "plain beside" },
-      el("thead", {}, el("tr", {}, el("th", {}, el("span", { class: "sr" }, t("measure"))), items.map((item) => el("th", { scope: "col" }, plainWord(item.effect))))),
+      el("thead", {}, el("tr", {}, el("th", {}, el("span", { class: "sr" }, t("measure"))), items.map((item) => el("th", { scope: "col" }, titleOf(item.effect))))),
       el("tbody", {},
         row(t("takes_away"), (item) => percent(item.share.all)),
         Object.keys(items[0].share.channels).map((channel) => row(t(`channel_${channel}`), (item) => percent(item.share.channels[channel]))),
@@ -127,15 +127,15 @@ function rivals(found) {
   if (found.sets.length < 2 && !found.suspected.length) return null;
   return el("section", { class: "panel" }, el("h2", {}, t("rivals")),
     el("ul", { class: "sentences" },
-      found.sets.slice(1).map((set) => el("li", {}, `${set.effects.map(plainWord).join(" + ")}: ${set.odds > 0.7 ? t("as_likely") : t("odds_against", { odds: num(1 / set.odds, 2) })}`)),
-      found.suspected.map((item) => el("li", {}, t(item.agrees ? "carried" : "suspected", { effect: plainWord(item.effect), run: item.run })))));
+      found.sets.slice(1).map((set) => el("li", {}, `${set.effects.map(titleOf).join(" + ")}: ${set.odds > 0.7 ? t("as_likely") : t("odds_against", { odds: num(1 / set.odds, 2) })}`)),
+      found.suspected.map((item) => el("li", {}, t(item.agrees ? "carried" : "suspected", { effect: titleOf(item.effect), run: item.run })))));
 }
 
 function hidden(found) {
   if (!found.hidden.length && !found.untold.length) return null;
   return el("section", { class: "panel" },
     found.hidden.length ? el("details", {}, el("summary", {}, t("hidden", { count: found.hidden.length })),
-      el("ul", { class: "sentences calm" }, found.hidden.map((item) => el("li", {}, el("b", {}, plainWord(item.effect)), `: ${item.why}`,
+      el("ul", { class: "sentences calm" }, found.hidden.map((item) => el("li", {}, el("b", {}, titleOf(item.effect)), `: ${item.why}`,
         item.size === null ? "" : `; ${t("could_hide", { size: num(item.size, 2) })}`)))) : null,
     found.untold.length ? el("details", {}, el("summary", {}, t("untold", { count: found.untold.length })),
       el("ul", { class: "sentences calm" }, found.untold.map((text) => el("li", {}, text)))) : null);
@@ -165,7 +165,7 @@ async function runView(root, app, found) {
     const effects = items.map((item) => item.effect);
     if (effects.join() === shown) return;
     shown = effects.join();
-    refill(keys, legend(effects.map(plainWord), base ? "base_fitted" : "model"), beside(items));
+    refill(keys, legend(effects.map(titleOf), base ? "base_fitted" : "model"), beside(items));
     const overlays = effects.map((effect) => found.overlays[effect]);
     if (history.kind === "free") recordPlots(plots, history, { base, overlays: overlays.map((own) => own[run]) });
     else runPlots(plots, history, channel, { overlays, compact: true });
@@ -185,7 +185,7 @@ function waterfall(fall) {
   steps.forEach((step, i) => {
     const y = top + row * i;
     root.append(
-      svg("text", { class: i ? "" : "ink", x: left - 8, y: y + 20, "text-anchor": "end" }, i ? `+ ${plainWord(step.step)}` : t("base")),
+      svg("text", { class: i ? "" : "ink", x: left - 8, y: y + 20, "text-anchor": "end" }, i ? `+ ${titleOf(step.step)}` : t("base")),
       svg("rect", { class: i ? "bar" : "bar first", x: left, y: y + 6, height: 19, width: Math.max(at(step.error) - left, 1.5), rx: 2 }),
       svg("text", { class: "ink", x: at(step.error) + 6, y: y + 20 }, `${num(step.error)}${unit}`),
     );
@@ -204,7 +204,7 @@ function waterfall(fall) {
     el("details", {}, el("summary", {}, t("by_channel")),
       el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("by_channel") }, el("table", { class: "plain" },
         el("thead", {}, el("tr", {}, el("th", { scope: "col" }, t("after")), channels.map((name) => el("th", { scope: "col" }, `${t(`channel_${name}`)} [${unitOf(steps[0].channels[name].unit)}]`)))),
-        el("tbody", {}, steps.map((step) => el("tr", {}, el("th", { scope: "row" }, plainWord(step.step)), channels.map((name) => el("td", {}, num(step.channels[name].error)))))))),
+        el("tbody", {}, steps.map((step) => el("tr", {}, el("th", { scope: "row" }, titleOf(step.step)), channels.map((name) => el("td", {}, num(step.channels[name].error)))))))),
       el("p", { class: "soft small" }, fall.how), fall.remarks.map((text) => el("p", { class: "soft small" }, text))));
 }
 

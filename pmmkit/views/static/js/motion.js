@@ -1,8 +1,8 @@
 // A manoeuvre in motion: the ship on her path, and from above with the forces of each effect.
 
 import { el, svg } from "./dom.js";
-import { t } from "./words.js";
-import { num, plainWord } from "./format.js";
+import { t, titleOf } from "./words.js";
+import { num } from "./format.js";
 import { extent, frame, path } from "./linear.js";
 
 const HALF = [[-0.5, 0.052], [-0.47, 0.0725], [0.2, 0.0725], [0.38, 0.0435], [0.5, 0]];
@@ -65,7 +65,7 @@ function scene(track, since, goes) {
   return [
     el("div", { class: "player" }, button, slider, told),
     el("div", { class: "pair" }, pictures.map((picture) => el("div", { class: "plot" }, picture.root))),
-    track.forces.length ? el("p", { class: "legend" }, track.forces.map((item, k) => el("span", {}, el("i", { class: `line c-f${k % KINDS}` }), plainWord(item.effect)))) : null,
+    track.forces.length ? el("p", { class: "legend" }, track.forces.map((item, k) => el("span", {}, el("i", { class: `line c-f${k % KINDS}` }), titleOf(item.effect)))) : null,
   ].filter(Boolean);
 }
 

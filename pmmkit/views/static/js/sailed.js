@@ -2,7 +2,7 @@
 
 import { el, refill, svg } from "./dom.js";
 import { t } from "./words.js";
-import { judgement, num, unitOf } from "./format.js";
+import { num, unitOf } from "./format.js";
 import { extent, frame, path } from "./linear.js";
 import { motionPanel } from "./motion.js";
 
@@ -50,22 +50,26 @@ function outline(track) {
 function measures(turns) {
   const columns = turns.after ? [turns.before, turns.after] : [turns.before];
   const last = columns.at(-1);
-  const limits = Object.fromEntries(last.verdicts.map((item) => [item.criterion, item]));
+  const limits = Object.fromEntries(last.verdicts.map((item) => [item.metric, item]));
   const value = (page, row) => {
     const own = page.metrics.find((item) => item.name === row.name);
     const ends = page.band?.measures?.[row.name];
     return el("td", {}, num(own?.value), ends ? el("small", { class: "soft" }, ` ${num(ends[0])}–${num(ends[1])}`) : null);
   };
   const judged = (row) => {
-    const item = limits[row.name.replace(/_L$/, "")];
-    if (!item) return el("td", {});
-    const [shade, mark] = judgement(item);
-    return el("td", {}, el("span", { class: shade }, `${mark} ≤ ${num(item.limit)}`));
+    const item = limits[row.name];
+    return el("td", {}, item ? judgement(item) : "");
   };
   return el("table", { class: "plain" },
     el("thead", {}, el("tr", {}, el("th", {}, el("span", { class: "sr" }, t("measure"))),
       turns.after ? el("th", { scope: "col" }, t("before")) : null, el("th", { scope: "col" }, turns.after ? t("after_all") : t("value")), el("th", { scope: "col" }, "IMO"))),
     el("tbody", {}, last.metrics.map((row) => el("tr", {}, el("th", { scope: "row" }, metricTitle(row)), columns.map((page) => value(page, row)), judged(row)))));
+}
+
+// What the IMO's limit says: nothing where the model is not usable, or its band holds the limit.
+export function judgement({ passed, limit }, whose = "") {
+  const [shade, mark] = passed === null ? ["soft", "?"] : passed ? ["met", "✓"] : ["unmet", "✗"];
+  return el("span", { class: shade }, `${mark} ${whose}≤ ${num(limit)}`, passed === null ? el("br", {}) : null, passed === null ? t("not_settled") : null);
 }
 
 export function metricTitle(row) {

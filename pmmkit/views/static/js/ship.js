@@ -1,12 +1,12 @@
 // Place 5: the ship, sailed while a slider moves.
 
 import { el, refill } from "./dom.js";
-import { t } from "./words.js";
-import { judgement, num, plainWord } from "./format.js";
+import { t, titleOf } from "./words.js";
+import { num } from "./format.js";
 import { frozen, post } from "./api.js";
 import { extent, frame, path, roomOf } from "./linear.js";
 import { motionPanel } from "./motion.js";
-import { metricTitle, trackPlot, turnPanel } from "./sailed.js";
+import { judgement, metricTitle, trackPlot, turnPanel } from "./sailed.js";
 
 const MANOEUVRES = ["turning", "zigzag", "spiral"];
 
@@ -53,6 +53,7 @@ export async function showShip(root, app, shown) {
       range.shallow && asked.manoeuvre !== "spiral" ? slider(asked, "depth", t("depth"), { ...settings.depth, usual: [1.1, 10, 0.05].map((x) => x * range.draught) }, sail) : null,
       range.windy ? null : el("p", { class: "soft small" }, t("no_wind")),
       range.shallow ? null : el("p", { class: "soft small" }, t("no_depth")),
+      range.lenders.length ? lender(app, range) : null,
       el("p", { class: "soft small" }, range.scale));
   };
   panel();
@@ -90,6 +91,14 @@ function slider(asked, name, label, setting, sail) {
     },
   });
   return el("label", { class: "slider", title: setting.help }, el("span", {}, label), shown, input);
+}
+
+// Propeller and rudder of a base that was reduced from tests: another ship may lend them.
+function lender(app, { parts, lenders }) {
+  const choice = el("select", { disabled: app.busy(), "aria-describedby": "lent", on: { change: () => app.act("again", { parts: choice.value }) } },
+    el("option", { value: "" }, t("lent_none")),
+    [...new Set([...(parts ? [parts] : []), ...lenders])].map((name) => el("option", { value: name, selected: name === parts }, name)));
+  return el("label", { class: "ask" }, el("span", {}, t("lent_by")), choice, el("small", { class: "said", id: "lent" }, t("lent_about")));
 }
 
 // The record that was steered most like it.
@@ -137,23 +146,22 @@ function draw(root, asked, found, trials) {
 
 // Whose band it is: ships of the model, or of all sets that the tests accept.
 function bandOf(band) {
-  const sets = band.rivals.map((effects) => effects.map(plainWord).join(" + "));
+  const sets = band.rivals.map((effects) => effects.map(titleOf).join(" + "));
   return sets.length ? t("band_rivals", { ships: band.ships, count: sets.length, sets: sets.join("; ") }) : t("band_ships", { ships: band.ships });
 }
 
 function measures(found, near) {
-  const verdict = (row) => found.verdicts.find((item) => item.criterion === row.name.replace(/_L$/, ""));
+  const verdict = (row) => found.verdicts.find((item) => item.metric === row.name);
   const ends = (row) => found.band?.measures?.[row.name];
   const heads = ["model", "measured"].map((name) => el("th", { scope: "col" }, t(name)));
   return el("table", { class: "plain" },
     near ? el("thead", {}, el("tr", {}, el("th", {}, el("span", { class: "sr" }, t("measure"))), heads, found.verdicts.length ? el("th", { scope: "col" }, "IMO") : null)) : null,
     el("tbody", {}, found.metrics.slice(0, 12).map((row) => {
       const judged = verdict(row);
-      const [shade, mark] = judged ? judgement(judged) : [];
       return el("tr", {}, el("th", { scope: "row" }, metricTitle(row)),
         el("td", {}, num(row.value), ends(row) ? el("small", { class: "soft" }, ` ${num(ends(row)[0])}–${num(ends(row)[1])}`) : null),
         near ? el("td", {}, num(near.metrics[row.name])) : null,
-        near && !found.verdicts.length ? null : el("td", {}, judged ? el("span", { class: shade }, `${mark} ${near ? "" : "IMO "}≤ ${num(judged.limit)}`) : ""));
+        near && !found.verdicts.length ? null : el("td", {}, judged ? judgement(judged, near ? "" : "IMO ") : ""));
     })));
 }
 
