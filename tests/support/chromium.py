@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import json
 import os
@@ -65,6 +66,11 @@ class Page:
                     return value
             time.sleep(0.05)
         raise AssertionError(f"{script} gives nothing; the page complains: {self.complaints}")
+
+    def picture(self) -> bytes:
+        """What is seen now, as PNG."""
+        taken = self._ask("Page.captureScreenshot", {"format": "png"})
+        return base64.b64decode(taken["data"])
 
     def choose(self, selector: str, files: Sequence[Path]) -> None:
         """Files are chosen at a field for files."""

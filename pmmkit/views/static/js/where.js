@@ -1,7 +1,7 @@
 // Place 3: where the model fails. The list of runs is the map.
 
 import { el, refill } from "./dom.js";
-import { t } from "./words.js";
+import { t, titleOf } from "./words.js";
 import { fixed, unitOf, withUnit } from "./format.js";
 import { SCALES, heat } from "./colours.js";
 import { facts, legend, runPlots, statistic } from "./runplots.js";
@@ -65,7 +65,7 @@ function sentences(misfit, app, show) {
 }
 
 function stepChoice(app, root) {
-  const names = [t("base"), ...app.state.steps.map((step) => `+ ${step.effect}`)];
+  const names = [t("base"), ...app.state.steps.map((step) => `+ ${titleOf(step.effect)}`)];
   const choice = el("select", {
     "aria-label": t("model_after"), class: "right",
     on: { change: () => { app.count = Number(choice.value); app.redraw(); } },
