@@ -12,7 +12,7 @@ from typing import Any, Final
 from pmmkit.conventions import CHANNELS, Derivative, parse_derivative
 from pmmkit.diagnosis.evidence import finite
 from pmmkit.effects import BY_SPEED, Effect, own_effect, own_effects_text
-from pmmkit.presentation import WIDE, Cell, Grid, Group, listed, number
+from pmmkit.presentation import WIDE, Grid, Group, listed, number
 
 FAMILY: Final = "empirical"
 NO_CAUSE: Final = "empirical term, no physical cause is named"
@@ -145,7 +145,7 @@ class EmpiricalTerm:
             f"{d.channel}{rate}: {'*'.join(['a', *words])}; a ~ {usual:.3g}",
         )
 
-    def row(self) -> list[Cell]:
+    def row(self) -> list[str | None]:
         """Derivative, value, half of the 95 % interval, share and reading."""
         return [
             self.name,

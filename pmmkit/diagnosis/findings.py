@@ -14,7 +14,7 @@ from pmmkit.diagnosis.evidence import RankedSet, Visible, Weight, finite, weight
 from pmmkit.diagnosis.outside import PERHAPS, HiddenEntries, Outside
 from pmmkit.intake import Disagreement, Untold
 from pmmkit.models import Model, odds
-from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, listed, number
+from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, listed, number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -98,9 +98,9 @@ class Finding(Described):
         """Share of the held-out mean square error that it takes away, by channel."""
         return {name: _taken(before, after) for name, (before, after) in self.errors.items()}
 
-    def rows(self) -> list[list[Cell]]:
+    def rows(self) -> list[list[str | None]]:
         """Coefficient, value, half of the 95 % interval, usual size, and what is odd about it."""
-        rows: list[list[Cell]] = [
+        rows: list[list[str | None]] = [
             [
                 name,
                 number(value, 3),
@@ -529,7 +529,7 @@ class Diagnosis(Described):
         names = list(
             dict.fromkeys(name for row in self.errors.values() for name in row if name in UNITS)
         )
-        rows: list[list[Cell]] = [
+        rows: list[list[str | None]] = [
             [what, *(f"{row[name]:.3g}" if name in row else "-" for name in names)]
             for what, row in self.errors.items()
         ]

@@ -6,12 +6,12 @@ from pmmkit.base import lazy
 
 if TYPE_CHECKING:
     from pmmkit.presentation.layout import (
-        Cell,
         Described,
         Grid,
         Group,
         Picture,
         Section,
+        Symbol,
         aligned,
         figure_text,
         printable,
@@ -37,12 +37,12 @@ if TYPE_CHECKING:
 __all__ = [
     "ABSENT",
     "WIDE",
-    "Cell",
     "Described",
     "Grid",
     "Group",
     "Picture",
     "Section",
+    "Symbol",
     "aligned",
     "at_froude",
     "counted",

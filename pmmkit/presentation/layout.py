@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import base64
 import html
 import re
+import unicodedata
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
+from itertools import starmap
 from pathlib import PurePath
+from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.presentation.numbers import ABSENT
@@ -94,6 +99,29 @@ def quoted(path: PurePath) -> str:
 
 
 Cell = str | None
+"""A text, a `Symbol` among them; None where there is no value."""
+
+
+class Symbol(str):
+    """A derivative as it is typeset: a letter, and what stands below it.
+
+    `letter, below`: its parts; as plain text they stand side by side.
+
+    Examples
+    --------
+    >>> print(Symbol("N′", "vvr"))
+    N′vvr
+    """
+
+    __slots__ = ("below", "letter")
+    letter: str
+    below: str
+
+    def __new__(cls, letter: str, below: str) -> Symbol:
+        """The plain text with its parts."""
+        made = super().__new__(cls, f"{letter}{below}")
+        made.letter, made.below = letter, below
+        return made
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,6 +179,33 @@ class Grid:
             found += [next(body) for _ in group.rows]
         return found
 
+    def html(self, look: str = "", shades: Mapping[str, str] = MappingProxyType({})) -> str:
+        """The same as HTML, escaped, without scripts and styles.
+
+        Parameters
+        ----------
+        look : str
+            Class of the table.
+        shades : mapping of str to str
+            Classes of cells by what they say. Cells to the left have the class ``text``.
+        """
+        left = {0, *self.texts}
+
+        def row(kind: str, cells: Sequence[Cell]) -> str:
+            names = (
+                " ".join(filter(None, ("text" * (at in left), shades.get(cell or ABSENT, ""))))
+                for at, cell in enumerate(cells)
+            )
+            return _element("tr", "".join(map(partial(_cell_html, kind), cells, names)))
+
+        caption = _element("caption", _safe(self.caption)) if self.caption else ""
+        head = _element("thead", row("th", self.head)) if any(self.head) else ""
+        body = "".join(
+            (_title_html(group) if group.title else "") + "".join(row("td", x) for x in group.rows)
+            for group in self.groups
+        )
+        return _element("table", caption + head + _element("tbody", body), look)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Picture:
@@ -203,6 +258,36 @@ class Section:
     tables: Sequence[Grid] = ()
     figures: Sequence[Picture] = ()
 
+    def lines(self) -> list[str]:
+        """The lines of plain text; figures are told by their captions."""
+        inside = [printable(text) for text in self.paragraphs]
+        inside += [f"- {printable(text)}" for text in self.points]
+        for item in self.findings:
+            runs = f" ({item['runs']})" if item["runs"] else ""
+            told = f"{item['severity']}: {item['check']}{runs}: {item['message']} {item['remedy']}"
+            inside.append(printable(told.rstrip()))
+        for table in self.tables:
+            inside += table.lines()
+        inside += [f"[Figure: {printable(figure.caption)}]" for figure in self.figures]
+        if not self.title:
+            return inside
+        return [printable(self.title), *(f"  {line}" for line in inside)]
+
+    def html(self, table: Callable[[Grid], str] = Grid.html) -> str:
+        """The same as HTML, escaped, without scripts and styles.
+
+        Parameters
+        ----------
+        table : callable, optional
+            What writes a table.
+        """
+        parts = [_element("h3", _safe(self.title))] if self.title else []
+        parts += [_element("p", _safe(text)) for text in self.paragraphs]
+        if self.points:
+            parts.append(_element("ul", "".join(_element("li", _safe(x)) for x in self.points)))
+        parts += [*map(_finding_html, self.findings), *map(table, self.tables)]
+        return "".join([*parts, *map(_picture_html, self.figures)])
+
 
 def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table in plain text, the first column to the left, the others to the right.
@@ -225,25 +310,23 @@ def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def _columns(rows: Sequence[Sequence[Cell]], left: Collection[int]) -> list[str]:
     cells = [[printable(ABSENT if cell is None else cell) for cell in row] for row in rows]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    return [
-        "  ".join(
-            cell.ljust(width) if place in left else cell.rjust(width)
-            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in cells
-    ]
+    widths = [max(map(_width, column)) for column in zip(*cells, strict=True)]
+
+    def filled(place: int, cell: str) -> str:
+        blanks = " " * (widths[place] - _width(cell))
+        return cell + blanks if place in left else blanks + cell
+
+    return ["  ".join(starmap(filled, enumerate(row))).rstrip() for row in cells]
 
 
-def section_lines(section: Section) -> list[str]:
-    """The lines of a section in plain text: sentences and points first, then the tables."""
-    inside = [printable(text) for text in section.paragraphs]
-    inside += [f"- {printable(text)}" for text in section.points]
-    for table in section.tables:
-        inside += table.lines()
-    if not section.title:
-        return inside
-    return [printable(section.title), *(f"  {line}" for line in inside)]
+def _width(text: str) -> int:
+    """Places that a text takes on a terminal: a dot above a letter none, a wide letter two."""
+    if text.isascii():
+        return len(text)
+    return sum(
+        0 if unicodedata.combining(x) else 1 + (unicodedata.east_asian_width(x) in "WF")
+        for x in text
+    )
 
 
 def text_of(sections: Iterable[Section]) -> str:
@@ -254,46 +337,40 @@ def text_of(sections: Iterable[Section]) -> str:
     sections : iterable of Section
         Those that say nothing are left out.
     """
-    blocks = map(section_lines, sections)
+    blocks = map(Section.lines, sections)
     return "\n\n".join("\n".join(lines) for lines in blocks if lines)
 
 
-def section_html(section: Section) -> str:
-    """The same as HTML, escaped, without scripts."""
-    parts = [f"<p><strong>{_safe(section.title)}</strong></p>"] if section.title else []
-    parts += [f"<p>{_safe(text)}</p>" for text in section.paragraphs]
-    if section.points:
-        parts.append("<ul>" + "".join(f"<li>{_safe(x)}</li>" for x in section.points) + "</ul>")
-    parts += [_table_html(table) for table in section.tables]
-    return "".join(parts)
+def _element(kind: str, inside: str, look: str = "") -> str:
+    opened = f'{kind} class="{look}"' if look else kind
+    return f"<{opened}>{inside}</{kind}>"
 
 
-def _table_html(table: Grid) -> str:
-    left = {0, *table.texts}
-
-    def row(kind: str, cells: Sequence[Cell]) -> str:
-        sides = ("left" if place in left else "right" for place in range(len(cells)))
-        return (
-            "<tr>"
-            + "".join(
-                f'<{kind} style="text-align:{side}">{_safe(cell)}</{kind}>'
-                for side, cell in zip(sides, cells, strict=True)
-            )
-            + "</tr>"
-        )
-
-    caption = f"<caption>{_safe(table.caption)}</caption>" if table.caption else ""
-    head = f"<thead>{row('th', table.head)}</thead>" if any(table.head) else ""
-    body = "".join(
-        (_title_html(group) if group.title else "") + "".join(row("td", x) for x in group.rows)
-        for group in table.groups
-    )
-    return f"<table>{caption}{head}<tbody>{body}</tbody></table>"
+def _cell_html(kind: str, cell: Cell, look: str) -> str:
+    if isinstance(cell, Symbol):  # the letter and what is below it stay on one line
+        return _element(kind, f"{_safe(cell.letter)}\u2060<sub>{_safe(cell.below)}</sub>", look)
+    return _element(kind, _safe(cell), look)
 
 
 def _title_html(group: Group) -> str:
     width = max((len(row) for row in group.rows), default=1)
-    return f'<tr><th colspan="{width}" style="text-align:left">{_safe(group.title)}</th></tr>'
+    return f'<tr><th class="group text" colspan="{width}">{_safe(group.title)}</th></tr>'
+
+
+def _finding_html(item: Mapping[str, str]) -> str:
+    runs = f" ({_safe(item['runs'])})" if item["runs"] else ""
+    told = " ".join(filter(None, (item["message"], item["remedy"])))
+    head = f"<b>{_safe(item['severity'])}: {_safe(item['check'])}</b>{runs}"
+    return _element("p", f"{head}<br>{_safe(told)}", f"finding {_safe(item['severity'])}")
+
+
+def _picture_html(figure: Picture) -> str:
+    image = base64.b64encode(figure.svg.encode()).decode()
+    shown = (
+        f'<img src="data:image/svg+xml;base64,{image}" alt="{_safe(figure.alt or figure.caption)}">'
+    )
+    caption = _element("figcaption", _safe(figure.caption))
+    return _element("figure", shown + caption, "narrow" * figure.narrow)
 
 
 def _safe(text: Cell) -> str:
@@ -305,6 +382,10 @@ def _safe(text: Cell) -> str:
 
 LONGEST: Final = 110
 """Characters of a `repr`."""
+
+
+NOTEBOOK: Final = "<style>.pmmkit h3 { font-size: 1em } .pmmkit .text { text-align: left }</style>"
+"""How a notebook shows them."""
 
 
 class Described(ABC):
@@ -327,8 +408,8 @@ class Described(ABC):
     <BLANKLINE>
     Weighed
       on <a> balance
-    >>> Mass()._repr_html_()
-    '<div><p>Mass 12 kg</p><p><strong>Weighed</strong></p><p>on &lt;a&gt; balance</p></div>'
+    >>> Mass()._repr_html_().removeprefix('<div class="pmmkit">' + NOTEBOOK)
+    '<p>Mass 12 kg</p><h3>Weighed</h3><p>on &lt;a&gt; balance</p></div>'
     """
 
     @abstractmethod
@@ -354,5 +435,5 @@ class Described(ABC):
         return text_of([Section(paragraphs=[self._title()]), *self._sections()])
 
     def _repr_html_(self) -> str:
-        title = section_html(Section(paragraphs=[self._title()]))
-        return f"<div>{title}{''.join(map(section_html, self._sections()))}</div>"
+        told = [Section(paragraphs=[self._title()]), *self._sections()]
+        return f'<div class="pmmkit">{NOTEBOOK}{"".join(map(Section.html, told))}</div>'

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmmkit.numerics import Array
-from pmmkit.presentation import Cell, Described, Grid, Group, Section, counted, number
+from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.seakeeping.lengthwise import Complex
 from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.transfer import MODES, Rao, between, nearest
@@ -205,7 +205,7 @@ class Response(Described):
         ]
 
 
-def _cells(found: Moments, hours: float, turn: float = 1.0) -> list[Cell]:
+def _cells(found: Moments, hours: float, turn: float = 1.0) -> list[str | None]:
     if found.m0 < _NOTHING:
         return ["0", "0", None]
     return [

@@ -23,10 +23,9 @@ from pmmkit.base import CampaignError, DataError, UnknownNameError
 from pmmkit.campaigns import CampaignFile, campaign_of
 from pmmkit.cli import main
 from pmmkit.exports.campaign_csv import campaign_text
-from pmmkit.presentation import Grid, Group, Section
+from pmmkit.presentation import Grid, Group, Section, Symbol
 from pmmkit.views import captive_document, write_report
 from pmmkit.views.figures.captions import drawn
-from pmmkit.views.pages.sections import Symbol
 from pmmkit.views.report.captive.build import FORMATS, STANDARDS, html_of
 from pmmkit.views.report.captive.columns import columns_of
 from pmmkit.views.report.captive.document import NOT_SUPPLIED, Chapter, Document, Item

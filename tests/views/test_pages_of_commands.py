@@ -12,10 +12,10 @@ from uncoupled import uncoupled
 from pmmkit import save_campaign
 from pmmkit.cli import main
 from pmmkit.models import save_model
-from pmmkit.presentation import Grid, Group, Picture, Section
+from pmmkit.presentation import Grid, Group, Picture, Section, Symbol
 from pmmkit.views import page_file
 from pmmkit.views.pages.page_file import MOST, fitted, size_of, state_of, with_runs
-from pmmkit.views.pages.sections import Symbol, told_page
+from pmmkit.views.pages.sections import told_page
 
 
 @pytest.fixture(scope="module")

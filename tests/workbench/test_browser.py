@@ -17,10 +17,10 @@ from served import served
 from pmmkit.actions import action
 from pmmkit.cli import main
 from pmmkit.models import load_model
-from pmmkit.presentation import Grid, Group, Picture, Section
+from pmmkit.presentation import Grid, Group, Picture, Section, Symbol
 from pmmkit.views import page_file
 from pmmkit.views.pages.page_file import state_of
-from pmmkit.views.pages.sections import Symbol, told_page
+from pmmkit.views.pages.sections import told_page
 from pmmkit.workbench import Desk, frozen_page
 from pmmkit.workbench.application import application
 

@@ -221,7 +221,7 @@ def test_a_turn_is_that_of_the_simulator_in_ship_lengths():
 @pytest.mark.slow
 @pytest.mark.parametrize(("share", "passed"), [(1.0, True), (0.2, None)])
 def test_a_limit_inside_the_band_is_neither_met_nor_failed(share, passed):
-    """KVLCC2's advance is 3.0 L, with a fifth of her rudder far more: what if either may be hers?"""
+    """KVLCC2's advance is 3.0 L, with a fifth of her rudder far more: if either may be true?"""
     model = load_model("kvlcc2")
     area = share * model.parts["rudder_mmg"].values["area"]
     other = model.with_values("rudder_mmg", area=area)

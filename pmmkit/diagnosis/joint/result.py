@@ -17,7 +17,7 @@ from pmmkit.diagnosis.joint.captive_vote import Ballot, Names, of_ship
 from pmmkit.effects import CATALOGUE
 from pmmkit.intake import Disagreement
 from pmmkit.models import Model, odds
-from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, number
+from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -99,9 +99,9 @@ class Belonging:
             return f"{' and '.join(names)} measure no coefficient of it that all have"
         return f"only {names[0]} measures it" if names else "none measures it"
 
-    def rows(self) -> list[list[Cell]]:
+    def rows(self) -> list[list[str | None]]:
         """Coefficient, each laboratory, the next one at three scales of their differences."""
-        found: list[list[Cell]] = []
+        found: list[list[str | None]] = []
         for i, name in enumerate(self.coefficients):
             own = [
                 _interval(item.values[i], math.sqrt(item.covariance[i, i]))
@@ -461,7 +461,7 @@ class Together(Described):
 
     def _scatter(self) -> Grid:
         """By what laboratories differ, a column for each scale of the prior."""
-        rows: list[list[Cell]] = [
+        rows: list[list[str | None]] = [
             [
                 name,
                 *(
@@ -474,8 +474,8 @@ class Together(Described):
         head = ["", "to use", *("to compare" for _ in self.others[1:])]
         return Grid(head=head, groups=[Group(rows=rows)])
 
-    def _row(self, item: JointEntry) -> list[Cell]:
-        cells: list[Cell] = []
+    def _row(self, item: JointEntry) -> list[str | None]:
+        cells: list[str | None] = []
         for name in self.names:
             ballot = item.ballots.get(name)
             beside = f" (with {' and '.join(ballot.faults)})" if ballot and ballot.faults else ""

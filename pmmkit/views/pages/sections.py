@@ -6,29 +6,7 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
-from pmmkit.presentation import Cell, Grid, Picture, Section
-
-
-class Symbol(str):
-    """A derivative as it is typeset: a letter, and what stands below it.
-
-    `letter, below`: its parts; as plain text they stand side by side.
-
-    Examples
-    --------
-    >>> print(Symbol("N′", "vvr"))
-    N′vvr
-    """
-
-    __slots__ = ("below", "letter")
-    letter: str
-    below: str
-
-    def __new__(cls, letter: str, below: str) -> Symbol:
-        """The plain text with its parts."""
-        made = super().__new__(cls, f"{letter}{below}")
-        made.letter, made.below = letter, below
-        return made
+from pmmkit.presentation import Grid, Picture, Section, Symbol
 
 
 def told_page(
@@ -74,7 +52,7 @@ def _table(table: Grid) -> dict[str, Any]:
     }
 
 
-def _cell(cell: Cell) -> Any:
+def _cell(cell: str | None) -> Any:
     if isinstance(cell, Symbol):
         return {"letter": cell.letter, "below": cell.below}
     return None if cell is None else str(cell)

@@ -13,9 +13,8 @@ from pmmkit.campaigns import TEST_KINDS, Campaign
 from pmmkit.conventions import Convention, Ship, Water, parse_derivative
 from pmmkit.intake import name_runs
 from pmmkit.models import DerivativeTable, ReferenceTable, compare
-from pmmkit.presentation import Cell, Grid, Group, number, plus_minus
+from pmmkit.presentation import Grid, Group, Symbol, number, plus_minus
 from pmmkit.reduction import Reduction
-from pmmkit.views.pages.sections import Symbol
 
 # Numbers and names as they stand in a report.
 
@@ -187,7 +186,7 @@ def _place(table: DerivativeTable, froude: float) -> int | None:
     return int(near[0]) if len(near) else None
 
 
-def _entry(table: DerivativeTable, name: str, froude: float, scale: float) -> Cell:
+def _entry(table: DerivativeTable, name: str, froude: float, scale: float) -> str | None:
     row = _place(table, froude)
     if name not in table or row is None:
         return ""
@@ -220,7 +219,7 @@ def _mean_and_range(values: Sequence[float]) -> str:
 def runs(reduction: Reduction) -> Grid:
     """How many runs of each kind there are, and at which Froude numbers."""
     count = Counter((item.run.test, f"{item.froude:.3f}") for item in reduction.runs)
-    rows: list[list[Cell]] = []
+    rows: list[list[str | None]] = []
     for test in TEST_KINDS.values():
         speeds = {
             froude: number for (kind, froude), number in sorted(count.items()) if kind == test.name
@@ -233,7 +232,7 @@ def runs(reduction: Reduction) -> Grid:
 
 def settings(reduction: Reduction) -> Grid:
     """Every run with its settings and what of its record counts."""
-    rows: list[list[Cell]] = []
+    rows: list[list[str | None]] = []
     for item in reduction.runs:
         rows.append(
             [

@@ -13,7 +13,7 @@ from pmmkit.conventions import METRICS, Criterion, Metric
 from pmmkit.imo import Verdict, imo_turning
 from pmmkit.models import Model, ReferenceTable
 from pmmkit.plotting import manoeuvre
-from pmmkit.presentation import Cell, Grid, Group, Section, fixed, number, percent
+from pmmkit.presentation import Grid, Group, Section, fixed, number, percent
 from pmmkit.simulation import froude_sweep, measures_over_froude, simulate
 from pmmkit.views.figures.captions import drawn
 
@@ -163,9 +163,9 @@ def _measures(turns: Turns) -> Grid:
     limits = _verdicts(tracks)
     names = METRICS.told("turn", tracks[0].metrics)
     moved = turns.changes
-    rows: list[list[Cell]] = []
+    rows: list[list[str | None]] = []
     for name in names:
-        row: list[Cell] = [_titled(name), *(number(track.metrics[name]) for track in tracks)]
+        row: list[str | None] = [_titled(name), *(number(track.metrics[name]) for track in tracks)]
         if moved:
             row.append(percent(moved[name]) if name in moved else "")
         rows.append([*row, limits.get(name, "")])

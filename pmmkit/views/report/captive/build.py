@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
@@ -14,7 +13,7 @@ from pmmkit.base import DataError, UnknownNameError, did_you_mean
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import cite
 from pmmkit.files import atomic_path, write_text
-from pmmkit.presentation import ABSENT
+from pmmkit.presentation import Grid
 from pmmkit.reduction import Reduction
 from pmmkit.views.pages.page_file import bare_page
 from pmmkit.views.report.captive import campaign_chapters, result_chapters
@@ -34,17 +33,23 @@ UPRIGHT: Final = 17.4 * 0.56 / 0.64
 
 def html_of(document: Document) -> str:
     """A report as HTML."""
+    from markupsafe import Markup
+
     return bare_page(
         "captive/report.html",
         title=document.title,
         style=STYLE.read_text("utf-8") + _pages(document),
         pictures=True,
         document=document,
-        absent=ABSENT,
-        many=MANY,
-        across=lambda grid: not columns_for(grid, UPRIGHT).fits,
-        base64=lambda figure: base64.b64encode(figure.svg.encode()).decode(),
+        told=lambda section: Markup(section.html(_table)),
     )
+
+
+def _table(grid: Grid) -> str:
+    """A table that is scrolled on a narrow screen, and printed across where its numbers need it."""
+    across = "" if columns_for(grid, UPRIGHT).fits else " across"
+    inside = grid.html("dense" if len(grid.head) >= MANY else "")
+    return f'<div class="wide{across}" tabindex="0">{inside}</div>'
 
 
 def _pages(document: Document) -> str:

@@ -10,7 +10,7 @@ from statistics import median
 from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Campaign, Run, RunSetting, Settings
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.models import SECTIONS
-from pmmkit.presentation import Cell, Grid, Group, Section, counted, number, plus_minus
+from pmmkit.presentation import Grid, Group, Section, counted, number, plus_minus
 from pmmkit.reduction import Reduction, RunResult
 from pmmkit.views.figures.captions import drawn
 from pmmkit.views.report import tables
@@ -205,7 +205,7 @@ def _settings(campaign: Campaign) -> Grid:
     """The range of each setting, a row a kind of test; settings that no run has are left out."""
     headed = sorted((x for x in RUN_SETTINGS.values() if x.head), key=lambda x: x.place)
     kept = [item for item in headed if any(_set_to(run.settings, item) for run in campaign.runs)]
-    rows: list[list[Cell]] = []
+    rows: list[list[str | None]] = []
     for kind in TEST_KINDS.values():
         runs = campaign.select(kind.name).runs
         if runs:
@@ -218,7 +218,7 @@ def _settings(campaign: Campaign) -> Grid:
     )
 
 
-def _range(values: Iterable[float]) -> Cell:
+def _range(values: Iterable[float]) -> str | None:
     found = sorted(values)
     if not found or not any(found):
         return "0" if found else None

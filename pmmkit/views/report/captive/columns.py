@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from pmmkit.presentation import Cell, Grid
+from pmmkit.presentation import Grid
 
 SIZES: Final = (8.5, 7.5, 7.0)
 """Letters that a table may have [pt], the usual first."""
@@ -40,7 +40,11 @@ class TableColumns:
 
 
 def columns_of(
-    head: Sequence[Cell], rows: Sequence[Sequence[Cell]], *, texts: Collection[int], width: float
+    head: Sequence[str | None],
+    rows: Sequence[Sequence[str | None]],
+    *,
+    texts: Collection[int],
+    width: float,
 ) -> TableColumns:
     """Columns in which numbers stay whole and texts take as few lines as they can.
 
@@ -84,7 +88,7 @@ def columns_for(table: Grid, width: float) -> TableColumns:
 
 
 def _longest(
-    head: Sequence[Cell], rows: Sequence[Sequence[Cell]], texts: Collection[int]
+    head: Sequence[str | None], rows: Sequence[Sequence[str | None]], texts: Collection[int]
 ) -> Iterator[tuple[float, float]]:
     """Of each column the longest piece that is not broken and the longest cell, in letters."""
     for place in range(len(rows[0])):

@@ -14,7 +14,7 @@ from pmmkit.campaigns import TEST_KINDS, Run
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, Convention, bibliography, cite
 from pmmkit.intake import CheckFinding
 from pmmkit.numerics import Array, coverage_factor
-from pmmkit.presentation import Cell, Grid, Group, Section, at_froude, counted, number, plus_minus
+from pmmkit.presentation import Grid, Group, Section, at_froude, counted, number, plus_minus
 from pmmkit.reduction import Budget, Reduction, RunResult, derivative_budget
 from pmmkit.views.figures.captions import drawn
 from pmmkit.views.report import pictures, sections, tables
@@ -70,9 +70,9 @@ def _by_kind(groups: Sequence[Sequence[RunResult]], channels: Sequence[str]) -> 
     kinds: dict[str, list[Sequence[RunResult]]] = {}
     for group in groups:
         kinds.setdefault(group[0].run.kind_of_test.title, []).append(group)
-    rows: list[list[Cell]] = []
+    rows: list[list[str | None]] = []
     for title, own in kinds.items():
-        row: list[Cell] = [title, str(len(own)), str(sum(map(len, own)))]
+        row: list[str | None] = [title, str(len(own)), str(sum(map(len, own)))]
         for channel in channels:
             apart = [_apart(group, channel) for group in own]
             known = [x for x in apart if x is not None]
@@ -91,9 +91,9 @@ def _by_kind(groups: Sequence[Sequence[RunResult]], channels: Sequence[str]) -> 
 
 def _one_by_one(groups: Sequence[Sequence[RunResult]], channels: Sequence[str]) -> Grid:
     """A row per condition: its first run, how many, mean and standard deviation."""
-    rows: list[list[Cell]] = []
+    rows: list[list[str | None]] = []
     for group in groups[:LISTED]:
-        row: list[Cell] = [_setting(group[0].run), str(len(group))]
+        row: list[str | None] = [_setting(group[0].run), str(len(group))]
         for channel in channels:
             apart = _apart(group, channel)
             mean = np.mean([_level(item, channel) for item in group if channel in item.measured])
@@ -182,7 +182,7 @@ def _forces(results: Sequence[RunResult], parts: Sequence[tuple[str, str]]) -> G
     )
 
 
-def _force(result: RunResult, channel: str, part: str) -> Cell:
+def _force(result: RunResult, channel: str, part: str) -> str | None:
     if channel not in result.measured or part not in result.labels:
         return None
     place = result.labels.index(part)
@@ -276,7 +276,7 @@ def _left(reduction: Reduction) -> Grid:
     """What the fit leaves of each channel, over its force and over the noise."""
     solution = reduction.solution
     pooled = reduction.table.pooled
-    rows: list[list[Cell]] = [
+    rows: list[list[str | None]] = [
         [
             fit.channel,
             "all speeds" if pooled else f"{solution.Fn[group]:.3f}",

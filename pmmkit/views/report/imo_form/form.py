@@ -267,6 +267,8 @@ class ImoForm(Described):
 
     def html(self) -> str:
         """The form as a page to print: one sheet of A4 without scripts, which needs nothing."""
+        from markupsafe import Markup
+
         return bare_page(
             "imo_form/form.html",
             title=f"{TITLE}: {self.name}",
@@ -278,6 +280,7 @@ class ImoForm(Described):
             conditions=conditions_grid(self.conditions),
             results=results_grids(self.lines),
             shades=SHADES,
+            table=lambda grid: Markup(grid.html(shades=SHADES)),
         )
 
     def files(self) -> Iterator[tuple[str, Any]]:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.presentation import ABSENT, Cell, Grid, printable
-from pmmkit.views.pages.sections import Symbol
+from pmmkit.presentation import ABSENT, Grid, Symbol, printable
 from pmmkit.views.report.captive.columns import SIZES, TableColumns
 from pmmkit.views.report.captive.document import Item
 from pmmkit.views.report.captive.word.own_style import element, spacer, style_of
@@ -45,7 +44,9 @@ def items_table(file: WordFile, items: Sequence[Item], width: float, style: str 
 
 def grid_table(file: WordFile, table: Grid, columns: TableColumns, style: str | None) -> None:
     """A table, without its caption."""
-    kinds: list[tuple[str, Sequence[Cell]]] = [("head", table.head)] if any(table.head) else []
+    kinds: list[tuple[str, Sequence[str | None]]] = (
+        [("head", table.head)] if any(table.head) else []
+    )
     for group in table.groups:
         kinds += [("group", [group.title])] if group.title else []
         kinds += [("row", cells) for cells in group.rows]
@@ -59,7 +60,7 @@ def grid_table(file: WordFile, table: Grid, columns: TableColumns, style: str | 
 
 
 def _new(
-    file: WordFile, rows: Sequence[Sequence[Cell]], columns: TableColumns, style: str | None
+    file: WordFile, rows: Sequence[Sequence[str | None]], columns: TableColumns, style: str | None
 ) -> list[list[Any]]:
     """A table of empty cells: the elements of each row, as many as it has cells."""
     from docx.oxml.ns import qn
@@ -96,7 +97,7 @@ def _borders(name: str, lines: dict[str, tuple[int, str]]) -> Any:
 
 
 def _fill(
-    row: Sequence[Any], cells: Sequence[Cell], kind: str, texts: Collection[int], size: float
+    row: Sequence[Any], cells: Sequence[str | None], kind: str, texts: Collection[int], size: float
 ) -> None:
     from docx.enum.text import WD_ALIGN_PARAGRAPH
 
