@@ -186,7 +186,9 @@ def _record(
     sea = run.settings
     return FreeRecord(
         name=run.id,
-        reckoned=tuple(name for name in measured if Run.RECKONED in data[name].attrs),
+        reckoned=()
+        if channels is not None
+        else tuple(name for name in measured if Run.RECKONED in data[name].attrs),
         t=t,
         delta=delta,
         turns=_filled(t, columns["n"], Fixes.GAP),

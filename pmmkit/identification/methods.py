@@ -259,6 +259,7 @@ def identify(
     if twice:
         raise DataError(f"Several records are named {', '.join(twice)}: give each its own name.")
     started = time.perf_counter()
+    records = [record.measured_once for record in records]
     speed = records[0].speed
     asked = asked_names(model, names)
     before = prior or Prior.of(model, asked, speed, spread=spread, extrapolate=extrapolate)

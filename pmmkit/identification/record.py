@@ -209,6 +209,13 @@ class FreeRecord:
             )
         return self.with_(measured={name: self.measured[name] for name in channels})
 
+    @property
+    def measured_once(self) -> FreeRecord:
+        """The record without what follows from other channels: their noise, once more and summed
+        up, is no measurement. A heading that follows from the rate of turn stands for that."""
+        twice = {*self.reckoned} - {"psi"} | ({"r"} if "psi" in self.reckoned else set())
+        return self.only([name for name in self.measured if name not in twice])
+
     def first_state(
         self, states: Sequence[str], sensors: Mapping[str, float], L: float
     ) -> tuple[Array, Array]:

@@ -105,7 +105,10 @@ Cell = str | None
 class Symbol(str):
     """A derivative as it is typeset: a letter, and what stands below it.
 
-    `letter, below`: its parts; as plain text they stand side by side.
+    Parameters
+    ----------
+    letter, below : str
+        Its parts; as plain text they stand side by side.
 
     Examples
     --------

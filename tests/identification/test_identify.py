@@ -52,6 +52,18 @@ def test_every_method_finds_the_truth(method):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("method", ["ekf", "trajectory", "regression"])
+def test_a_track_that_follows_from_velocities_teaches_nothing(method):
+    """Its noise is that of the velocities summed up: as measurements of their own x, y and psi
+    would make the values look better known than they are."""
+    record = one_record().with_(reckoned=("x", "y", "psi"))
+    alone = record.only([name for name in record.measured if name not in ("x", "y", "r")])
+    found, known = found_by(method, [record]), found_by(method, [alone.with_(reckoned=())])
+    np.testing.assert_array_equal(found.values, known.values)
+    np.testing.assert_array_equal(found.std, known.std)
+
+
+@pytest.mark.slow
 def test_sparse_regression_is_a_method_too():
     records = [one_record(), sailed(seed=1, rudder_deg=-10.0, switch_deg=10.0).with_(name="other")]
     records.append(sailed(seed=2, manoeuvre="turning", rudder_deg=35.0))

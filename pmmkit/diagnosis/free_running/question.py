@@ -50,14 +50,7 @@ def records_of(records: Sequence[FreeRecord] | Campaign, model: Model) -> Sequen
     )
     if not listed:
         raise DataError("There is no record: give free-running tests that have a usable segment.")
-    return [_measured_once(item) for item in listed]
-
-
-def _measured_once(record: FreeRecord) -> FreeRecord:
-    """A record without what follows from other channels: their noise, once more and summed up,
-    would name faults. A heading that follows from the rate of turn stands for that."""
-    twice = {*record.reckoned} - {"psi"} | ({"r"} if "psi" in record.reckoned else set())
-    return record.only([name for name in record.measured if name not in twice])
+    return [item.measured_once for item in listed]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
