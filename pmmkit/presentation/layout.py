@@ -364,14 +364,13 @@ def _finding_html(item: Mapping[str, str]) -> str:
     runs = f" ({_safe(item['runs'])})" if item["runs"] else ""
     told = " ".join(filter(None, (item["message"], item["remedy"])))
     head = f"<b>{_safe(item['severity'])}: {_safe(item['check'])}</b>{runs}"
-    return _element("p", f"{head}<br>{_safe(told)}", f"finding {_safe(item['severity'])}")
+    return _element("p", f"{head}<br/>{_safe(told)}", f"finding {_safe(item['severity'])}")
 
 
 def _picture_html(figure: Picture) -> str:
     image = base64.b64encode(figure.svg.encode()).decode()
-    shown = (
-        f'<img src="data:image/svg+xml;base64,{image}" alt="{_safe(figure.alt or figure.caption)}">'
-    )
+    alt = _safe(figure.alt or figure.caption)
+    shown = f'<img src="data:image/svg+xml;base64,{image}" alt="{alt}"/>'
     caption = _element("figcaption", _safe(figure.caption))
     return _element("figure", shown + caption, "narrow" * figure.narrow)
 

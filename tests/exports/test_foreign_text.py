@@ -28,7 +28,6 @@ from pmmkit.files import toml_string, write_results
 from pmmkit.models import Part, Step, from_values
 from pmmkit.models.tables.io import to_latex
 from pmmkit.presentation import Section, printable, safe_cell, text_of_cell
-from pmmkit.presentation.layout import section_html
 from pmmkit.syntax import comment, plain
 
 CANARY = "open('canary', 'w')"
@@ -243,8 +242,8 @@ class _Elements(HTMLParser):
 )
 def test_a_notebook_shows_names_as_text(text):
     parser = _Elements()
-    parser.feed(section_html(Section(title=text, paragraphs=[text], points=[text])))
-    assert parser.seen == {"p", "strong", "ul", "li"}
+    parser.feed(Section(title=text, paragraphs=[text], points=[text]).html())
+    assert parser.seen == {"h3", "p", "ul", "li"}
 
 
 @given(text=st.text(max_size=80))

@@ -414,9 +414,10 @@ def test_html_is_well_formed_and_escaped(name):
     """It holds what the text holds, and nothing of a name from a file becomes an element."""
     thing = spoiled(MADE[name]())
     tree = ElementTree.fromstring(thing._repr_html_())
-    known = {"div", "p", "strong", "ul", "li", "table", "caption"}
+    known = {"div", "style", "h3", "p", "ul", "li", "table", "caption"}
     known |= {"thead", "tbody", "tr", "th", "td"}
     assert {element.tag for element in tree.iter()} <= known
+    assert len(tree.findall(".//style")) == 1
     told = " ".join("".join(tree.itertext()).split())
     for words in str(thing).split():
         assert words in told or words == "-"
