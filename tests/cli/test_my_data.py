@@ -90,11 +90,14 @@ def test_with_particulars_it_turns_and_says_what_is_only_guessed(files, desk, ca
     low, high = told["tactical_diameter_L"]
     assert low < turn(TANKER, laboratories.SLOW).tactical_diameter < high
     assert low < circle["tactical_diameter_L"] < high
+    assert told["next"] == "pmmkit compare first-reduced/model.toml first"
+    assert words.rstrip().endswith("Once the guesses are confirmed: pmmkit demo --my-data first")
     confirm(desk / "first" / "campaign.toml")
     status, told, words = said(capsys, "demo", "--my-data", "first")
     assert (status, told["provisional"]) == (0, False)
-    assert told["next"] == "pmmkit model show first-reduced-2/model.toml"
+    assert told["next"] == "pmmkit compare first-reduced-2/model.toml first"
     assert "PROVISIONAL" not in words
+    assert "Once the guesses" not in words
 
 
 @pytest.mark.slow

@@ -173,7 +173,9 @@ def _reduced(way: DraftProgress, campaign: Campaign, results: Path) -> DraftProg
     model = load_model(file)
     estimates = _estimates(model, way.file)
     way = replace(
-        way, then=f"pmmkit model show {quoted(file)}", questions=(*way.questions, *estimates)
+        way,
+        then=f"pmmkit compare {quoted(file)} {quoted(way.place)}",
+        questions=(*way.questions, *estimates),
     )
     lent = [part.effect for part in model.parts.values() if part.estimated]
     way = way.after("model", f"{quoted(file)}; estimates in {', '.join(lent) or 'nothing'}")
@@ -249,8 +251,10 @@ def _told(way: DraftProgress) -> Outcome:
         lines += ["", *way.result.lines]
     lines += _asked(way.questions, way.file)
     again = f"pmmkit demo --my-data {quoted(way.place)}"
-    following = again if way.stopped or way.guesses else way.then
+    following = way.then if way.then and not way.stopped else again
     lines += ["", f"Next: {following}"]
+    if way.guesses and following != again:
+        lines.append(f"Once the guesses are confirmed: {again}")
     status = way.result.status if way.result is not None else int(way.wrong)
     content = {
         "campaign": str(way.file),
