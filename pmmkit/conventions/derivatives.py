@@ -426,6 +426,8 @@ _CASED: Final = {
     "mN": "mn_milli",
     "Nm": "nm_moment",
     "kNm": "kn m",
+    "NM": "nm_moment",  # of files in capitals; a distance has no channel
+    "KNM": "kn m",
     "kgfm": "kgf m",
 }
 

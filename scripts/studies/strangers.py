@@ -1,4 +1,4 @@
-"""From the files of eighteen strangers to a turn of their hulls, by typed commands.
+"""From the files of twenty strangers to a turn of their hulls, by typed commands.
 
     python -m scripts.studies.strangers [--out FOLDER] [NAME ...]
 
@@ -97,7 +97,7 @@ def particulars(hull: Hull) -> Iterator[tuple[str, str]]:
         yield "# Ix = ...", f"Ix = {hull.Ix}"
 
 
-PLACES: tuple[str, str] = ("# side_gauges_x = [0.0, 0.0] ", f"side_gauges_x = {list(GAUGES)} ")
+PLACES: tuple[str, str] = ("# side_gauges_x = ...", f"side_gauges_x = {list(GAUGES)}")
 """The line of two gauges, where a draft asks for their places."""
 
 

@@ -28,7 +28,7 @@ from container_files import (
 
 from pmmkit import open_campaign
 from pmmkit.base import CampaignError
-from pmmkit.readers import READERS
+from pmmkit.readers import READERS, Options, Request
 
 COUNT = 30
 HEADER = ["t", "X", "Y", "N"]
@@ -417,3 +417,11 @@ def test_damage(path):
 def test_files_that_are_none(path, content):
     path.write_bytes(content)
     refused(path, r"run\.xlsx")
+
+
+def test_what_stands_above_the_columns_is_told_line_by_line(path):
+    """A name and what is stated of it; titles of one cell and headers of many are none."""
+    above = [["Versuch 7"], ["Driftwinkel [°]", "-8,5"], ["Periode", 9.0, "s"], []]
+    workbook(path, [*above, HEADER, ["s", "N", "N", "N m"], *rows()])
+    request = Request(path=path, shown="run.xlsx", options=Options())
+    assert READERS["excel"].remarks(request) == ("Driftwinkel [°]; -8,5", "Periode; 9; s")

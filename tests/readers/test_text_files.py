@@ -371,3 +371,18 @@ def test_rows_of_runs_keep_their_text(tmp_path: Path):
     assert found.headers == ("Run", "Remark", "X")
     assert [row[1] for row in found.rows] == ["first", "waves, ended", ""]
     assert found.notes == ()
+
+
+@pytest.mark.parametrize("head", ["", "C  RUN 7\nC      T[S]      U[M/S]     FX[N]\n"])
+@pytest.mark.parametrize("power", ["D", "d"])
+def test_fortran_writes_d_before_the_power_of_ten(read, head, power):
+    """Its comments have a C in the first place, names among them."""
+    found = read(head + rows("  ", form="{:.6E}").replace("E", power))
+    assert found.headers == (("T[S]", "U[M/S]", "FX[N]") if head else ("", "", ""))
+    assert same(found)
+
+
+def test_a_d_elsewhere_stays_what_it_is(read):
+    found = read("t [s],FX 3.D-23 [N],run2D-1 [N]\n" + rows(","))
+    assert found.headers[2] == "run2D-1 [N]"
+    assert same(found)

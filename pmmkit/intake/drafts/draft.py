@@ -250,8 +250,9 @@ def _over_its_bottom(entry: RunDraft, depths: Mapping[str, tuple[float, str]]) -
 
 
 def _beside(seen: Look, tables: Sequence[FileLook]) -> list[FileLook]:
-    """Sheets of the workbooks of some tables that hold no runs, then texts beside them."""
-    books = {item.path for item in tables}
+    """Sheets of the workbooks of tests that hold no runs, then texts beside them."""
+    sheets = [item for group in seen.groups for item in group.files if item.has_sheets]
+    books = {item.path for item in (*tables, *sheets)}
     looks = [item for group in seen.groups for item in group.files if item.kind == "unknown"]
     own = [item for item in (*looks, *seen.without_table) if item.path in books]
     return [*own, *(item for item in seen.without_table if not item.has_sheets)]

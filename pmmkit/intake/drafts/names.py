@@ -301,6 +301,8 @@ _SAID: Final = re.compile(
 """A line such as ``# Sway amplitude [m]: 0.25`` or ``Periode; 9,0; s``."""
 
 
+_STATED: Final = re.compile("[:;\t]")
+"""Between what a line states and what it is of: ``Test: Pure sway``, ``Versuch;Gieren``."""
 _LONGEST_LINE: Final = 200
 """A longer line above the columns says nothing of one test."""
 
@@ -316,7 +318,7 @@ def facts_of_header(lines: Sequence[str]) -> RunFacts:
     """
     settings: dict[str, tuple[float, str]] = {}
     short = [line for line in lines if len(line) <= _LONGEST_LINE]
-    stated = [line.partition(":")[2] for line in short if ":" in line]
+    stated = [text for line in short for text in _STATED.split(line, maxsplit=1)[1:]]
     tests = {test for text in stated if (test := test_named(text)) is not None}
     test = tests.pop() if len(tests) == 1 else None
     for line in short:

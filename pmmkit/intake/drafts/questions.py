@@ -25,13 +25,30 @@ _DISPLACEMENT: Final = "displacement"
 """A mass or a volume, as its unit tells."""
 _NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "scale": ("sc", "scale", "lambda", "λ", "model scale", "maßstab", "massstab", "schaal"),
-    "L": ("lpp", "l pp", "lbp", "l", "length between perpendiculars", "länge zw. loten"),
-    "B": ("b", "bwl", "breadth", "beam"),
-    "d": ("tm", "t", "d", "draught", "draft", "tiefgang", "diepgang"),
+    "L": (
+        *("lpp", "l pp", "lbp", "l", "length between perpendiculars", "länge zw. loten"),
+        *("länge zwischen den loten", "垂線間長", "垂线间长", "수선간장"),
+        *("longueur entre perpendiculaires", "eslora entre perpendiculares"),
+        "comprimento entre perpendiculares",
+    ),
+    "B": (
+        *("b", "bwl", "breadth", "beam", "breite", "breedte", "largeur", "manga", "boca"),
+        *("幅", "船幅", "型宽", "船宽", "폭", "선폭"),
+    ),
+    "d": (
+        *("tm", "t", "d", "draught", "draft", "tiefgang", "diepgang", "tirant d'eau", "calado"),
+        *("喫水", "吃水", "흘수"),
+    ),
     "volume": ("vol", "volume", "displacement volume", "displaced volume"),
-    "mass": ("mass", "m", "model mass", "mass of the model", "masse", "massa", _DISPLACEMENT),
-    "Izz": ("iz", "izz", "i z", "i zz"),
-    "xG": ("xg", "x g", "lcg"),
+    "mass": (
+        *("mass", "m", "model mass", "mass of the model", "masse", "massa", "masa"),
+        *("質量", "质量", "질량", _DISPLACEMENT),
+    ),
+    "Izz": (
+        *("iz", "izz", "i z", "i zz", "yaw inertia", "yaw moment of inertia"),
+        *("trägheitsmoment um z", "massenträgheitsmoment um z", "gierträgheitsmoment"),
+    ),
+    "xG": ("xg", "x g", "lcg", "schwerpunkt vor mitte", "centre of gravity forward of midship"),
     "propeller.D": ("dp", "d p", "propeller d", "propeller diameter", "diameter of the propeller"),
     "rho": ("rho", "ρ", "density", "density of the water", "water density"),
     "rudder.area": ("ar", "a r", "rudder area", "area of the rudder"),
@@ -94,11 +111,17 @@ _WRITTEN: Final = r"(?:1\s*:\s*)?([-+]?(?:\d+(?:[.,]\d+)?|[.,]\d+)(?:[eE][-+]?\d
 """In prose: digits before the point may lack, and a scale may be written 1:46.4."""
 _LETTERS: Final = ("L", "B", "T", "d")
 """Names of one letter that prose is believed: as they are written, no others."""
+_SIZES: Final = re.compile(rf"{_WRITTEN}\s*m?\s*[x×]\s*{_WRITTEN}\s*m?\s*[x×]\s*{_WRITTEN}\s*m\b")
+"""Length, breadth and draught as "4.0 x 0.7 x 0.25 m"."""
 _PAIR: Final = re.compile(
     rf"\s*[\"']?(?P<name>[^\W\d_][\w .]*?)[\"']?\s*[:=]\s*(?P<number>{_WRITTEN})"
     r"\s*(?P<unit>[a-zA-Z]+(?:[ /][a-zA-Z]+)?[23²³]?)?\s*,?\s*(?:(?:#|;|//).*)?"
 )
 """A name, a number, perhaps a unit and a remark: all of a line."""
+
+
+_COMMA: Final = re.compile(r"\s*[+-]?\d*,(?!\d{3}\s*$)\d+\s*")
+"""A number such as 4,0; in 1,234 the comma may as well stand before thousands."""
 
 
 def _cells(look: FileLook) -> Cells | None:
@@ -118,6 +141,8 @@ def _in_rows(cells: Cells) -> Words:
         if not isinstance(name, str) or len(row) < 2:
             continue
         number = to_number(row[1], cells.decimal)
+        if number is None and _COMMA.fullmatch(str(row[1])):  # a workbook's text
+            number = to_number(row[1], ",")
         if number is not None and math.isfinite(number):
             plain, own = split_unit(name)
             unit = row[2] if len(row) > 2 and isinstance(row[2], str) else own or ""
@@ -146,11 +171,16 @@ def _in_prose(text: str) -> Words:
     long = sorted((x for names in _NAMES.values() for x in names if len(x) > 1), key=len)
     known = "|".join([f"(?i:{re.escape(x)})" for x in reversed(long)] + [*_LETTERS])
     stated = re.compile(
-        rf"(?<![\w./])({known})(?:\s*(?:=|:|\bis\b|\bof\b)\s*|\s+){_WRITTEN}"
+        rf"(?<![\w./])({known})(?:\s*(?:=|:|\b(?:is|was|of)\b)\s*|\s+){_WRITTEN}"
         r"(?![\d.:]|\s*%)\s*([a-zA-Z]+[23²³]?)?"
     )
     words: dict[str, tuple[float, str, str]] = {}
     for line, said in enumerate(text.splitlines(), 1):
+        for sizes in _SIZES.finditer(said):
+            for name, written in zip("lbt", sizes.groups(), strict=True):
+                words.setdefault(
+                    name, (float(written.replace(",", ".")), "", f"{sizes[0]}, line {line}")
+                )
         for name, written, unit in stated.findall(re.sub(r"[|*`$]+", " ", said)):
             number = float(written.replace(",", "."))
             told = f"{name} = {f'{number:g} {unit}'.strip()}, line {line}"

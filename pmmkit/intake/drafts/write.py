@@ -166,7 +166,10 @@ def _turns(runs: Sequence[RunDraft]) -> str:
 _POINT: Final = (
     "# moment_reference_x = 0.0       # TODO point to which moments refer, forward of midship"
 )
-_PLACES: Final = "# side_gauges_x = [0.0, 0.0]     # TODO places of Y_forward and Y_aft [m]"
+_PLACES: Final = (
+    "# side_gauges_x = ...            # TODO places of Y_forward and Y_aft [m] forward of midship, "
+    "such as [1.2, -1.1]"
+)
 _TURNS: Final = 'rudder_positive = "starboard"    # TODO "port" if + rudder turns her to port'
 
 

@@ -196,6 +196,14 @@ def cells(request: Request) -> Cells:
     return _table(_grid(request), request)
 
 
+def remarks(request: Request) -> tuple[str, ...]:
+    """Rows of two or three cells above the columns, a name and what is stated of it."""
+    plain = [tuple(_cell(value) for value in row) for row in _grid(request)]
+    _, first = layout_of(plain, request)
+    rows = [[text(cell) for cell in row if cell is not None] for row in plain[:first]]
+    return tuple("; ".join(row) for row in rows if 2 <= len(row) <= 3)
+
+
 def _table(grid: Grid, request: Request) -> Cells:
     plain = [tuple(_cell(value) for value in row) for row in grid]
     headers, first = layout_of(plain, request)

@@ -81,6 +81,22 @@ def keeps_line_ends(encoding: str) -> bool:
     return "az09,\n".encode(encoding) == b"az09,\n"
 
 
+_FORTRAN: Final = re.compile(rb"(\d*\.\d*)[dD]([+-]\d\d)")
+
+
+def with_e(data: bytes) -> bytes:
+    """A text with E where Fortran writes D before the power of ten, as long as it was.
+
+    Examples
+    --------
+    >>> with_e(b" 1.25D-01 run3D-2")
+    b' 1.25E-01 run3D-2'
+    """
+    if any(sign in data for sign in (b"D+", b"D-", b"d+", b"d-")):
+        return _FORTRAN.sub(rb"\1E\2", data)
+    return data
+
+
 def decoded(data: bytes, request: Request, line: int = 1) -> tuple[bytes, Problem | None]:
     """The text in the encoding stated, or that of its byte order mark, or UTF-8, or cp1252."""
     if not data:
@@ -108,7 +124,7 @@ def decoded(data: bytes, request: Request, line: int = 1) -> tuple[bytes, Proble
             "there are zero bytes: the file is damaged or not plain text.",
             row=data.count(b"\n", 0, nul) + line,
         )
-    return data, doubt
+    return with_e(data), doubt
 
 
 def _not_decoded(

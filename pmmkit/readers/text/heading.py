@@ -37,6 +37,8 @@ _BLANK_HEADER: Final = re.compile(
 )
 """A header among blanks, with the unit in brackets that may stand apart from it."""
 _BLANK_UNIT: Final = re.compile(r"\[[^\]]*\]|\([^)]*\)|\S+")
+_MARKS: Final = (*COMMENTS, "C", "c", "*")
+"""What stands apart before names in a line that is a comment, of Fortran too."""
 _GROUPED: Final = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+")
 
 
@@ -115,7 +117,9 @@ def find_heading(data: bytes, start: int, stop: int, line: int, request: Request
             delimiter=delimiter,
             decimal=decimal,
         )
-    headers, last = headers_of(first.text, delimiter), first
+    below = plain[1] if len(plain) > 1 else first
+    width, last = len(fields_of(below.text, delimiter)), first
+    headers = names_in(first.text, width, delimiter)
     if request.options.units_row and len(plain) == 1:
         raise request.error("there is no line of units below the names.")
     if len(plain) > 1 and _is_units(plain[1], len(headers), delimiter, decimal, request):
@@ -154,6 +158,19 @@ def headers_of(line: bytes, delimiter: str) -> tuple[str, ...]:
     if delimiter == BLANKS:
         return tuple(found[0] for found in _BLANK_HEADER.finditer(text))
     return tuple(fields_of(text.encode(), delimiter))
+
+
+def names_in(line: bytes, width: int, delimiter: str) -> tuple[str, ...]:
+    """The names in a header line of so many columns, a mark of a comment apart left out.
+
+    Examples
+    --------
+    >>> names_in(b"C   TIME[S]  FX[N]", 2, BLANKS)
+    ('TIME[S]', 'FX[N]')
+    """
+    names = headers_of(line, delimiter)
+    marked = len(names) == width + 1 and names[0] in _MARKS
+    return names[1:] if marked else names
 
 
 def within(fields: Sequence[str], width: int) -> list[str]:
@@ -387,7 +404,9 @@ def _names_too_high(above: Sequence[_Line], table: _Table, request: Request) -> 
 def _without_remarks(lines: Sequence[_Line], width: int, delimiter: str) -> list[_Line]:
     """The lines without comments that cannot be names or units."""
     return [
-        line for line in lines if not line.comment or len(headers_of(line.text, delimiter)) == width
+        line
+        for line in lines
+        if not line.comment or len(names_in(line.text, width, delimiter)) == width
     ]
 
 
@@ -399,7 +418,7 @@ def _names(
         return None
     units = len(above) > 1 and _is_units(above[-1], width, delimiter, decimal, request)
     line = above[-2] if units else above[-1]
-    headers = headers_of(line.text, delimiter)
+    headers = names_in(line.text, width, delimiter)
     if len(headers) != width or (
         2 * count_numbers(headers, decimal) >= width and request.options.header is None
     ):

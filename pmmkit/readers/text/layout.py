@@ -14,13 +14,13 @@ from typing import Final
 
 from pmmkit.conventions import is_unit
 from pmmkit.readers.base import HEAD, Options, mostly_numbers, to_number
-from pmmkit.readers.text.decoding import likely_encoding
+from pmmkit.readers.text.decoding import likely_encoding, with_e
 from pmmkit.readers.text.heading import (
     BLANKS,
     CANDIDATES,
     count_numbers,
     fields_of,
-    headers_of,
+    names_in,
     within,
 )
 from pmmkit.readers.text.stamps import is_stamp
@@ -146,6 +146,7 @@ def text_of(head: bytes, *, whole: bool | None = None) -> tuple[str, str] | None
     """
     if whole is None:
         whole = len(head) < HEAD
+    head = with_e(head)
     if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         encoding = "utf-16"
         text = head[: len(head) // 2 * 2].decode(encoding, "replace")
@@ -212,7 +213,7 @@ def _names(
         if not units and number > 1 and len(cells) == width and all(map(_is_unit, cells)):
             units = tuple(cell.strip("[]() ") for cell in cells)
             continue
-        names = tuple(within(headers_of(line.encode(), delimiter), width))
+        names = tuple(within(names_in(line.encode(), width, delimiter), width))
         if len(names) != width and delimiter != BLANKS:
             names = tuple(name for name in names if name)
         if len(names) != width:

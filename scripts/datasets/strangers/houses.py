@@ -1,4 +1,4 @@
-"""Twelve more laboratories, each with its own habits of files, names, units and axes.
+"""Fourteen more laboratories, each with its own habits of files, names, units and axes.
 
 All but the computation begin at rest, gather way, and weigh the model's inertia with the water's
 force; the speed of the carriage is recorded.
@@ -390,6 +390,68 @@ def two_recorders(folder: Path, *, seed: int = 22) -> None:
         _table(folder / "motion" / f"{told}.csv", {"t [s]": seen.t, **moved})
 
 
+def headed_sheets(folder: Path, *, seed: int = 23) -> None:
+    """A German workbook: a sheet for each test, whose head says what it was set to, decimal commas
+    as texts, and a sheet of the ship."""
+    from openpyxl import Workbook
+
+    folder.mkdir(parents=True)
+    rng, book = np.random.default_rng(seed), Workbook()
+    ship = book.active
+    ship.title = "Schiff"
+    for row in (
+        ("Länge zwischen den Loten", "4,0", "m"),
+        ("Breite", "0,7", "m"),
+        ("Tiefgang", "0,25", "m"),
+        ("Masse", "450", "kg"),
+        ("Trägheitsmoment um z", "451,6", "kg m²"),
+        ("Schwerpunkt vor Mitte", "0,06", "m"),
+    ):
+        ship.append(row)
+    kinds = {"drift": "Schräglauf", "sway": "Reines Querschwingen", "yaw": "Reines Gieren"}
+    keys = {"beta": "Driftwinkel [°]", "T": "Periode [s]", "a": "Amplitude [m]"}
+    keys["psi"] = "Gieramplitude [°]"
+    for number, order in enumerate(programme(), start=1):
+        read, sheet = recorded(order, rng, step=0.1), book.create_sheet(f"V{number:03d}")
+        sheet.append(["Versuch", kinds[order.kind]])
+        sheet.append(["Geschwindigkeit [m/s]", "1,2"])
+        for key, value in order.set_to.items():
+            sheet.append([keys[key], f"{value:.4g}".replace(".", ",")])
+        sheet.append([])
+        sheet.append(["Zeit", "Schleppgeschw.", "Querweg", "Kurswinkel", "FX", "FY", "MZ"])
+        sheet.append(["s", "m/s", "mm", "°", "N", "N", "Nm"])
+        columns = [read.t, read.carriage, 1e3 * read.y, np.degrees(read.psi)]
+        for row in np.column_stack([*columns, *read.forces.values()]):
+            sheet.append([float(f"{value:.6g}") for value in row])
+    book.save(folder / "Versuche.xlsx")
+
+
+def listings(folder: Path, *, seed: int = 24) -> None:
+    """Listings of Fortran: capitals, D before the power of ten, names behind the C of a comment."""
+    folder.mkdir(parents=True)
+    rng = np.random.default_rng(seed)
+    names = ("TIME[S]", "VC[M/S]", "YPOS[M]", "PSI[DEG]", "FX[N]", "FY[N]", "MZ[NM]")
+    for number, order in enumerate(programme(), start=1):
+        read = recorded(order, rng)
+        told = _named(
+            order,
+            drift="DRIFT BETA={beta:.1f} DEG",
+            sway="PURE SWAY T={T:.1f} S A={a:.3f} M",
+            yaw="PURE YAW T={T:.1f} S PSI0={psi:.2f} DEG",
+        )
+        columns = [read.t, read.carriage, read.y, np.degrees(read.psi), *read.forces.values()]
+        head = [f"C  RUN {number:03d}", f"C  {told}", "C" + "".join(f"{x:>15}" for x in names)]
+        rows = [
+            " " + "".join(f"{value:15.6E}" for value in row).replace("E", "D")
+            for row in np.column_stack(columns)
+        ]
+        text = "\n".join([*head, *rows, ""])
+        (folder / f"RUN{number:03d}.OUT").write_text(text, encoding="ascii")
+    ship = ("LPP = 4.000 M", "BREADTH = 0.700 M", "DRAFT = 0.250 M", "MASS = 450.0 KG")
+    more = ("IZZ = 451.6 KGM2", "XG = 0.060 M", "WATER DENSITY = 999.1 KG/M3")
+    (folder / "SHIP.TXT").write_text("\n".join([*ship, *more, ""]), encoding="ascii")
+
+
 HOUSES = {
     "pounds": pounds,
     "listed_tdms": listed_tdms,
@@ -403,5 +465,7 @@ HOUSES = {
     "two_gauges": two_gauges,
     "without_headers": without_headers,
     "two_recorders": two_recorders,
+    "headed_sheets": headed_sheets,
+    "listings": listings,
 }
 """Folders of the coaster's tests, each by its writer."""
