@@ -202,7 +202,7 @@ class Grid:
             return _element("tr", "".join(map(partial(_cell_html, kind), cells, names)))
 
         caption = _element("caption", _safe(self.caption)) if self.caption else ""
-        head = _element("thead", row("th", self.head)) if any(self.head) else ""
+        head = _element("thead", row('th scope="col"', self.head)) if any(self.head) else ""
         body = "".join(
             (_title_html(group) if group.title else "") + "".join(row("td", x) for x in group.rows)
             for group in self.groups
@@ -346,7 +346,7 @@ def text_of(sections: Iterable[Section]) -> str:
 
 def _element(kind: str, inside: str, look: str = "") -> str:
     opened = f'{kind} class="{look}"' if look else kind
-    return f"<{opened}>{inside}</{kind}>"
+    return f"<{opened}>{inside}</{kind.partition(' ')[0]}>"
 
 
 def _cell_html(kind: str, cell: Cell, look: str) -> str:

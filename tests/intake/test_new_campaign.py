@@ -630,7 +630,8 @@ PAIRS = {
     ),
     "ship.ini": "[ship]\nL = 3.0 m\nB = 489 mm\nT = 20 cm ; even keel\nm = 244.6 kg\n"
     "I_z = 145 kg m2\n[water]\ndensity = 998.6 kg/m3\n",
-    "readme.txt": "A model of 3.0 m x 0.489 m x 0.2 m, mass 244.6 kg, Izz 145 kg m2.\n"
+    "readme.txt": "The tank has 8 m x 2 m x 1 m.\n"
+    "A model of 3.0 m x 0.489 m x 0.2 m, mass 244.6 kg, Izz 145 kg m2.\n"
     "The density of the water was 998.6 kg/m3.\n",
 }
 

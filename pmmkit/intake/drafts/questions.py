@@ -112,7 +112,9 @@ _WRITTEN: Final = r"(?:1\s*:\s*)?([-+]?(?:\d+(?:[.,]\d+)?|[.,]\d+)(?:[eE][-+]?\d
 _LETTERS: Final = ("L", "B", "T", "d")
 """Names of one letter that prose is believed: as they are written, no others."""
 _SIZES: Final = re.compile(rf"{_WRITTEN}\s*m?\s*[x×]\s*{_WRITTEN}\s*m?\s*[x×]\s*{_WRITTEN}\s*m\b")
-"""Length, breadth and draught as "4.0 x 0.7 x 0.25 m"."""
+"""Three sizes, such as "4.0 x 0.7 x 0.25 m"."""
+_TANK: Final = re.compile(r"(?i)tank|basin|flume|channel|canal|becken|rinne")
+"""What else has a length, a breadth and a depth."""
 _PAIR: Final = re.compile(
     rf"\s*[\"']?(?P<name>[^\W\d_][\w .]*?)[\"']?\s*[:=]\s*(?P<number>{_WRITTEN})"
     r"\s*(?P<unit>[a-zA-Z]+(?:[ /][a-zA-Z]+)?[23²³]?)?\s*,?\s*(?:(?:#|;|//).*)?"
@@ -176,16 +178,21 @@ def _in_prose(text: str) -> Words:
     )
     words: dict[str, tuple[float, str, str]] = {}
     for line, said in enumerate(text.splitlines(), 1):
-        for sizes in _SIZES.finditer(said):
-            for name, written in zip("lbt", sizes.groups(), strict=True):
-                words.setdefault(
-                    name, (float(written.replace(",", ".")), "", f"{sizes[0]}, line {line}")
-                )
+        for name, number, told in _sizes(said):
+            words.setdefault(name, (number, "", f"{told}, line {line}"))
         for name, written, unit in stated.findall(re.sub(r"[|*`$]+", " ", said)):
             number = float(written.replace(",", "."))
             told = f"{name} = {f'{number:g} {unit}'.strip()}, line {line}"
             words.setdefault(name.casefold(), (number, unit, told))
     return words
+
+
+def _sizes(said: str) -> Iterator[tuple[str, float, str]]:
+    """Length, breadth and draught of a model in a line such as "4.0 m x 0.7 m x 0.25 m"."""
+    for found in () if _TANK.search(said) else _SIZES.finditer(said):
+        L, B, d = (float(x.replace(",", ".")) for x in found.groups())
+        if B > 0.0 < d and L < _LONGEST and 3.0 < L / B < 15.0 and 1.5 < B / d < 8.0:
+            yield from (("l", L, found[0]), ("b", B, found[0]), ("t", d, found[0]))
 
 
 def _listed(words: Words) -> dict[str, tuple[float, str]]:
