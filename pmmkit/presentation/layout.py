@@ -9,7 +9,6 @@ import unicodedata
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from itertools import starmap
 from pathlib import PurePath
 from types import MappingProxyType
@@ -182,7 +181,12 @@ class Grid:
             found += [next(body) for _ in group.rows]
         return found
 
-    def html(self, look: str = "", shades: Mapping[str, str] = MappingProxyType({})) -> str:
+    def html(
+        self,
+        look: str = "",
+        shades: Mapping[str, str] = MappingProxyType({}),
+        frame: Mapping[str, str] = MappingProxyType({}),
+    ) -> str:
         """The same as HTML, escaped, without scripts and styles.
 
         Parameters
@@ -191,23 +195,26 @@ class Grid:
             Class of the table.
         shades : mapping of str to str
             Classes of cells by what they say. Cells to the left have the class ``text``.
+        frame : mapping of str to str
+            Attributes of what stands around the table; nothing stands there without any.
         """
         left = {0, *self.texts}
 
-        def row(kind: str, cells: Sequence[Cell]) -> str:
-            names = (
-                " ".join(filter(None, ("text" * (at in left), shades.get(cell or ABSENT, ""))))
-                for at, cell in enumerate(cells)
-            )
-            return _element("tr", "".join(map(partial(_cell_html, kind), cells, names)))
+        def row(kind: str, cells: Sequence[Cell], scope: str = "") -> str:
+            inside = ""
+            for at, cell in enumerate(cells):
+                own = ("text" * (at in left), shades.get(cell or ABSENT, ""))
+                inside += _cell_html(kind, cell, " ".join(filter(None, own)), scope)
+            return _element("tr", inside)
 
         caption = _element("caption", _safe(self.caption)) if self.caption else ""
-        head = _element("thead", row('th scope="col"', self.head)) if any(self.head) else ""
+        head = _element("thead", row("th", self.head, "col")) if any(self.head) else ""
         body = "".join(
             (_title_html(group) if group.title else "") + "".join(row("td", x) for x in group.rows)
             for group in self.groups
         )
-        return _element("table", caption + head + _element("tbody", body), look)
+        table = _element("table", caption + head + _element("tbody", body), {"class": look})
+        return _element("div", table, frame) if frame else table
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -344,35 +351,41 @@ def text_of(sections: Iterable[Section]) -> str:
     return "\n\n".join("\n".join(lines) for lines in blocks if lines)
 
 
-def _element(kind: str, inside: str, look: str = "") -> str:
-    opened = f'{kind} class="{look}"' if look else kind
-    return f"<{opened}>{inside}</{kind.partition(' ')[0]}>"
+def _element(
+    kind: str, inside: str | None, attributes: Mapping[str, str] = MappingProxyType({})
+) -> str:
+    """An element, with those of its attributes that say something; empty if there is no inside."""
+    said = "".join(f' {name}="{_safe(own)}"' for name, own in attributes.items() if own)
+    return f"<{kind}{said}/>" if inside is None else f"<{kind}{said}>{inside}</{kind}>"
 
 
-def _cell_html(kind: str, cell: Cell, look: str) -> str:
+def _cell_html(kind: str, cell: Cell, look: str, scope: str) -> str:
+    inside = _safe(cell)
     if isinstance(cell, Symbol):  # the letter and what is below it stay on one line
-        return _element(kind, f"{_safe(cell.letter)}\u2060<sub>{_safe(cell.below)}</sub>", look)
-    return _element(kind, _safe(cell), look)
+        inside = f"{_safe(cell.letter)}\u2060{_element('sub', _safe(cell.below))}"
+    return _element(kind, inside, {"scope": scope, "class": look})
 
 
 def _title_html(group: Group) -> str:
     width = max((len(row) for row in group.rows), default=1)
-    return f'<tr><th class="group text" colspan="{width}">{_safe(group.title)}</th></tr>'
+    look = {"class": "group text", "colspan": str(width)}
+    return _element("tr", _element("th", _safe(group.title), look))
 
 
 def _finding_html(item: Mapping[str, str]) -> str:
     runs = f" ({_safe(item['runs'])})" if item["runs"] else ""
     told = " ".join(filter(None, (item["message"], item["remedy"])))
-    head = f"<b>{_safe(item['severity'])}: {_safe(item['check'])}</b>{runs}"
-    return _element("p", f"{head}<br/>{_safe(told)}", f"finding {_safe(item['severity'])}")
+    head = _element("b", _safe(f"{item['severity']}: {item['check']}"))
+    inside = f"{head}{runs}{_element('br', None)}{_safe(told)}"
+    return _element("p", inside, {"class": f"finding {item['severity']}"})
 
 
 def _picture_html(figure: Picture) -> str:
     image = base64.b64encode(figure.svg.encode()).decode()
-    alt = _safe(figure.alt or figure.caption)
-    shown = f'<img src="data:image/svg+xml;base64,{image}" alt="{alt}"/>'
+    shown = {"src": f"data:image/svg+xml;base64,{image}", "alt": figure.alt or figure.caption}
     caption = _element("figcaption", _safe(figure.caption))
-    return _element("figure", shown + caption, "narrow" * figure.narrow)
+    look = {"class": "narrow" * figure.narrow}
+    return _element("figure", _element("img", None, shown) + caption, look)
 
 
 def _safe(text: Cell) -> str:
@@ -410,7 +423,7 @@ class Described(ABC):
     <BLANKLINE>
     Weighed
       on <a> balance
-    >>> Mass()._repr_html_().removeprefix('<div class="pmmkit">' + NOTEBOOK)
+    >>> Mass()._repr_html_().partition(NOTEBOOK)[2]
     '<p>Mass 12 kg</p><h3>Weighed</h3><p>on &lt;a&gt; balance</p></div>'
     """
 
@@ -438,4 +451,4 @@ class Described(ABC):
 
     def _repr_html_(self) -> str:
         told = [Section(paragraphs=[self._title()]), *self._sections()]
-        return f'<div class="pmmkit">{NOTEBOOK}{"".join(map(Section.html, told))}</div>'
+        return _element("div", NOTEBOOK + "".join(map(Section.html, told)), {"class": "pmmkit"})

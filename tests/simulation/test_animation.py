@@ -73,7 +73,7 @@ def test_forces_over_time_stand_in_a_table_and_a_figure(turn):
     assert (table["N_rudder_mmg"] == turn.forces["rudder_mmg"][2]).all()
     drawn = turn.figures()["forces"].axes
     assert [axis.get_title(loc="left") for axis in drawn] == ["X [N]", "Y [N]", "N [N m]"]
-    assert {line.get_label() for line in drawn[0].lines} >= {"sum", "propeller", "rudder mmg"}
+    assert {line.get_label() for line in drawn[0].lines} >= {"sum", "Propeller", "Rudder (MMG)"}
     assert "forces" not in replace(turn, forces={}).figures()
     assert replace(turn, forces={}).forces_to_pandas().empty
 

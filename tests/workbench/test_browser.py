@@ -16,6 +16,7 @@ from served import served
 
 from pmmkit.actions import action
 from pmmkit.cli import main
+from pmmkit.effects import CATALOGUE
 from pmmkit.models import load_model
 from pmmkit.presentation import Grid, Group, Picture, Section, Symbol
 from pmmkit.views import page_file
@@ -358,7 +359,7 @@ def test_two_candidates_stand_side_by_side(page, asked_desk):
             page.run(f"document.querySelectorAll('.tick input')[{number}].focus()")
             page.key(" ", " ")
             assert len(page.run(ticked)) == expected
-        names = [x.replace("_", " ") for x in page.run(ticked)]
+        names = [CATALOGUE.title_of(x) for x in page.run(ticked)]
         heads = "[...document.querySelectorAll('.beside thead th[scope]')].map(x => x.textContent)"
         assert page.run(heads) == names
         assert page.run("document.querySelectorAll('.c-overlay, .c-second').length") == 2

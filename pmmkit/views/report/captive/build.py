@@ -47,9 +47,9 @@ def html_of(document: Document) -> str:
 
 def _table(grid: Grid) -> str:
     """A table that is scrolled on a narrow screen, and printed across where its numbers need it."""
-    across = "" if columns_for(grid, UPRIGHT).fits else " across"
-    inside = grid.html("dense" if len(grid.head) >= MANY else "")
-    return f'<div class="wide{across}" tabindex="0">{inside}</div>'
+    look = "wide" if columns_for(grid, UPRIGHT).fits else "wide across"
+    frame = {"class": look, "tabindex": "0"}
+    return grid.html("dense" if len(grid.head) >= MANY else "", frame=frame)
 
 
 def _pages(document: Document) -> str:
