@@ -124,7 +124,12 @@ def _with_campaign(path: Path, ship: str | None, out: Path | None) -> DraftProgr
     count = len(entries) + sum(len(saved) for _, saved in draft.saved)
     way = DraftProgress(file=target, results=folder / "results", questions=questions_of(text))
     way = way.after("read", f"{count} {draft.kind} tests: {', '.join(tests)}")
-    return way.after("draft", f"{quoted(target)}; nothing was written to {quoted(path)}")
+    way = way.after("draft", f"{quoted(target)}; nothing was written to {quoted(path)}")
+    if not draft.repeated:
+        return way
+    more = f" and {len(draft.repeated) - 1} more" if len(draft.repeated) > 1 else ""
+    told = f"{draft.repeated[0]}{more}: other tables tell the same tests, see the end of the draft"
+    return way.after("leave", told)
 
 
 def _checked(way: DraftProgress) -> tuple[DraftProgress, Campaign]:
@@ -136,16 +141,23 @@ def _checked(way: DraftProgress) -> tuple[DraftProgress, Campaign]:
     findings = examine(campaign)
     contradictions = [item for item in findings if item.severity == "error"]
     if contradictions:
-        told = "\n".join(
-            " ".join(filter(None, (f"  {item.check}: {item.message}", item.remedy)))
-            for item in contradictions
-        )
-        return replace(way, stopped=f"The checks contradict it:\n{told}", wrong=True), campaign
+        told = [" ".join(filter(None, (f"  {item}", item.remedy))) for item in contradictions]
+        stopped = "\n".join(["The checks contradict it:", *told, *_CORRECTION])
+        return replace(way, stopped=stopped, wrong=True), campaign
     doubts = [item for item in findings if item.severity == "warning"]
     words = (
         f"no contradiction in {counted(len(campaign), 'run')}, {counted(len(doubts), 'warning')}"
     )
     return way.after("check", words), campaign
+
+
+_CORRECTION: Final = (
+    "A correction is written before [end] of the campaign file:",
+    "  [[corrections]]",
+    '  runs = ["..."]                 # their ids; * stands for any letters',
+    '  action = "exclude"             # or another that is named above',
+    '  reason = "..."                 # it stands in the report',
+)
 
 
 def _reduced(way: DraftProgress, campaign: Campaign, results: Path) -> DraftProgress:

@@ -10,7 +10,14 @@ from typing import Any, Final
 
 from pmmkit.base import DataError, did_you_mean
 from pmmkit.campaigns import Campaign, unit_of
-from pmmkit.conventions import factor_to, split_unit
+from pmmkit.conventions import (
+    CHANNEL_UNITS,
+    channel_of,
+    factor_to,
+    split_unit,
+    unit_factor,
+    unit_in_name,
+)
 from pmmkit.files import toml_string
 from pmmkit.intake.file import clock_of, values_of
 from pmmkit.intake.folder import FileGroup, Look
@@ -295,6 +302,24 @@ def their_column(column: ColumnLook, item: Suggestion, look: FileLook) -> str:
     """The right side of a line of ``[columns]``."""
     parts = column_parts(column, item, look)
     return toml(column.title) if list(parts) == ["name"] else toml(parts)
+
+
+def factor_of(column: ColumnLook) -> float:
+    """From the numbers of a column to SI; 1 where its unit is not known."""
+    item = column.suggestion
+    if item is None:
+        return 1.0
+    named = unit_in_name(item.name)
+    unit = item.unit or column.unit or (named[1] if named else None)
+    if unit is None:
+        return item.scale
+    try:
+        unit_factor(unit)
+        return (
+            factor_to(unit, CHANNEL_UNITS.get(channel_of(item.name), "rad")) or 1.0
+        ) * item.scale
+    except DataError:
+        return item.scale
 
 
 def column_parts(column: ColumnLook, item: Suggestion, look: FileLook) -> dict[str, Any]:

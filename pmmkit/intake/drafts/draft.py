@@ -13,12 +13,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.base import CampaignError, DataError, Problem
+from pmmkit.base import CampaignError, Problem
 from pmmkit.campaigns import RUN_SETTINGS, TEST_KINDS, Campaign, open_campaign
-from pmmkit.conventions import CHANNEL_UNITS, Ship, channel_of, factor_to, unit_factor, unit_in_name
+from pmmkit.conventions import CHANNEL_UNITS, Ship, channel_of, unit_in_name
 from pmmkit.intake.blocks import kind_with
 from pmmkit.intake.checks.rest import rest_facts, zeros_off
-from pmmkit.intake.drafts.columns import GAUGES, ColumnChoice, column_parts, with_choices
+from pmmkit.intake.drafts.columns import GAUGES, ColumnChoice, column_parts, factor_of, with_choices
 from pmmkit.intake.drafts.conventions import Proposal
 from pmmkit.intake.drafts.matrix import (
     HEADED,
@@ -45,6 +45,7 @@ from pmmkit.intake.drafts.motion import (
 )
 from pmmkit.intake.drafts.names import RunKey, facts_of, facts_of_header, settled
 from pmmkit.intake.drafts.questions import Found, particulars_of
+from pmmkit.intake.drafts.repeats import RowsBefore, without_repeats
 from pmmkit.intake.file import LARGE, values_of
 from pmmkit.intake.folder import FileGroup, Look, look
 from pmmkit.intake.guessing import by_size
@@ -105,7 +106,8 @@ class Draft:
     `open_water`: file of the propeller's tested curve, empty where there is none or several.
     `proposal`: axes and signs by the physics of all runs; None where they were not asked.
     `saved`: saved campaigns by their files. `unused`: files with numbers that are none of
-    these, and why. `named_tests`: those of them that are named as tests.
+    these, and why. `named_tests`: those of them that are named as tests; `repeated`: those
+    whose rows other tables tell.
     """
 
     title: str
@@ -117,6 +119,7 @@ class Draft:
     unused: tuple[str, ...]
     look: Look
     named_tests: tuple[str, ...] = ()
+    repeated: tuple[str, ...] = ()
     matrices: tuple[MatrixDraft, ...] = ()
     particulars: Found = field(default_factory=lambda: MappingProxyType({}))
     open_water: str = ""
@@ -171,8 +174,14 @@ def draft_of(
     listed = [
         item for group in seen.groups if group.first.kind == "table" for item in _read_all(group)
     ]
-    named = shared_names(listed)
-    tables = [entry for item in listed for entry in _tables(item, base, length, named=named)]
+    once = without_repeats(listed)
+    listed = list(once.looks)
+    apart = _prefixes(listed) if shared_names(listed) else {}
+    tables = [
+        _without_rows(entry, once.skip.get(item.shown))
+        for item in listed
+        for entry in _tables(item, base, length, prefix=apart.get(item.shown, ""))
+    ]
     if not (runs or tables or saved):
         raise CampaignError(
             Problem(
@@ -199,6 +208,7 @@ def draft_of(
         if (item.path, item.options) not in listing and item.shown != curve
     ]
     unused += [f"{shown}: {_NOT_RUNS[what]}" for shown, what in strange]
+    unused += [base + text for text in once.told.values()]
     named_tests = [shown for shown, what in strange if what == "unknown" and _named_test(shown)]
     sheets = [str(item.options.sheet) for item in listed if item.options.sheet is not None]
     unused += [line for item in listed for line in (*left_lines(item), *strangers(item, sheets))]
@@ -213,6 +223,7 @@ def draft_of(
         saved=tuple(saved),
         unused=tuple(unused),
         named_tests=tuple(named_tests),
+        repeated=tuple(once.told),
         look=seen,
         matrices=matrices,
         open_water=curve and base + curve,
@@ -598,26 +609,11 @@ def _channels(
     if any(column.position not in values.numbers for column in columns.values()):
         return {}, problems
     found = {
-        name: values.numbers[column.position] * _factor(column) for name, column in columns.items()
+        name: values.numbers[column.position] * factor_of(column)
+        for name, column in columns.items()
     }
     whole = np.all([np.isfinite(numbers) for numbers in found.values()], axis=0)
     return {name: numbers[whole] for name, numbers in found.items()}, problems
-
-
-def _factor(column: ColumnLook) -> float:
-    """From the numbers of a column to SI; 1 where its unit is not known."""
-    item = column.suggestion
-    if item is None:
-        return 1.0
-    named = unit_in_name(item.name)
-    unit = item.unit or column.unit or (named[1] if named else None)
-    if unit is None:
-        return item.scale
-    try:
-        unit_factor(unit)
-        return (factor_to(unit, CHANNEL_UNITS.get(_channel(column), "rad")) or 1.0) * item.scale
-    except DataError:
-        return item.scale
 
 
 def _channel(column: ColumnLook) -> str:
@@ -653,13 +649,32 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
     )
 
 
-def _tables(item: FileLook, base: str, length: float | None, *, named: bool) -> list[RunDraft]:
-    """The tables of a sheet, one a block of its runs; `named` where other sheets use its names."""
+def _without_rows(entry: RunDraft, before: RowsBefore | None) -> RunDraft:
+    """A table without its rows that stand in another."""
+    if before is None:
+        return entry
+    note = f"skipped rows stand in {before.where} as well"
+    return replace(entry, skip=before.lines, notes=(*entry.notes, note))
+
+
+def _prefixes(looks: Sequence[FileLook]) -> dict[str, str]:
+    """What tells the tests of a table from those of others that have the same names: its sheet,
+    or its file where that alone does."""
+    books = Counter(item.options.sheet for item in looks)
+    found = {}
+    for item in looks:
+        sheet = item.options.sheet
+        book = PurePosixPath(_stem(item.file)).name if books[sheet] > 1 else ""
+        found[item.shown] = "_".join(filter(None, (book, "" if sheet is None else str(sheet))))
+    return found
+
+
+def _tables(item: FileLook, base: str, length: float | None, *, prefix: str) -> list[RunDraft]:
+    """The tables of a sheet, one a block of its runs, their ids behind a prefix."""
     whole = _table(item, base, length)
     blocks = item.blocks
     if not blocks.mixed:
         return [whole]
-    sheet = str(item.options.sheet) if named and item.options.sheet is not None else ""
     found = []
     for block in blocks.runs:
         test = block.test or whole.test
@@ -679,7 +694,7 @@ def _tables(item: FileLook, base: str, length: float | None, *, named: bool) -> 
                 where=where_of(block, blocks),
                 skip=skipped(block, blocks),
                 samples="cycle" if cycle else None,
-                template=template_of(block, blocks, sheet),
+                template=template_of(block, blocks, prefix),
                 notes=tuple(notes),
                 columns=columns,
             )

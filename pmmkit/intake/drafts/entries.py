@@ -220,7 +220,7 @@ def default_lines(
     lines: list[str] = []
     guessed = guessed_source(entries)
     for key in guessed:
-        todo.add(f"{key}: {_ASKED_OF_TABLES[key]}")
+        todo.add(f"{key}: {_GUESSED_OF_TABLES[key]}")
     for name, items, cfd in (
         ("defaults", every, None),
         *((f"defaults.{x}", of_kind.get(x, ()), computed.of_kind.get(x)) for x in tests),
@@ -235,12 +235,11 @@ def default_lines(
                 todo.add(f"[{name}] {_question(item)}.")
         if cfd is not None:
             lines.append(f"cfd = {toml(cfd)}")
-        if asked == {"nondimensional": "prime"}:
-            # The checks hold the size of the forces against the hull's: a wrong system is told.
-            why = 'by their headers; TODO "prime-d" if over ½ρLdU², "bis" if by ∇ and g'
-            lines.append(aligned(f"source = {toml(asked)}", why))
-        elif asked:
-            lines.append(aligned(f"# source = {toml(asked)}", "TODO of all of them"))
+        if asked:
+            # The checks hold the size of the forces against the hull's, and their phase against
+            # its inertia: a wrong system and a wrong phase are told.
+            why = "; ".join(_GUESSED_OF_TABLES[key] for key in asked)
+            lines.append(aligned(f"source = {toml(asked)}", f"as is usual; TODO {why}"))
     return lines
 
 
@@ -330,7 +329,7 @@ def entry_lines(
         pairs = ", ".join(f"{name} = {toml(value)}" for name, value in entry.columns.items())
         lines.append(f"columns = {{ {pairs} }}")
     if entry.skip:
-        lines.append(aligned(f"skip = {toml(entry.skip)}", "rows that are no runs"))
+        lines.append(aligned(f"skip = {toml(entry.skip)}", "rows left out"))
     if entry.samples:
         lines.append(aligned(f"samples = {toml(entry.samples)}", "rows of one name: one cycle"))
     lines += [_setting(setting, entry.id, todo) for setting in entry.settings]
@@ -388,10 +387,9 @@ def guessed_source(entries: Sequence[RunDraft]) -> dict[str, str]:
     return guessed
 
 
-_ASKED_OF_TABLES: Final = {
-    "nondimensional": 'are the forces "prime", "prime-d" or "bis"?',
-    "in_phase_with": "with what are the in-phase parts of the tables: displacement, velocity or "
-    "acceleration?",
+_GUESSED_OF_TABLES: Final = {
+    "nondimensional": '"prime-d" if over ½ρLdU², "bis" if by ∇ and g',
+    "in_phase_with": '"velocity" or "acceleration" if the in-phase parts are in phase with that',
 }
 
 
