@@ -67,6 +67,25 @@ def test_names_and_units_that_end_in_a_delimiter(read, delimiter, ends):
     assert read(f"{names}{tail}\n" + rows(delimiter)).headers == ("t", "u", "X")
 
 
+@pytest.mark.parametrize(("delimiter", "decimal"), [(";", ","), (",", "."), ("\t", ".")])
+@pytest.mark.parametrize("last", ["", "\n"])
+def test_empty_rows_below_the_last_number_are_told_and_left(read, delimiter, decimal, last):
+    """A spreadsheet writes a row for each that was ever used."""
+    empty = 2 * delimiter
+    found = read(
+        f"t{delimiter}u{delimiter}X\n"
+        + rows(delimiter, decimal)
+        + f"{empty}\n{empty}\n{empty}{last}"
+    )
+    assert same(found)
+    assert found.notes == ("the file ends in 3 rows without a number; they are not read",)
+
+
+def test_empty_rows_between_numbers_are_damage(read):
+    with pytest.raises(CampaignError, match="row 6: there is no value"):
+        read("t,u,X\n" + rows(",") + ",,\n" + rows(","))
+
+
 def test_a_row_that_ends_in_a_delimiter_is_damaged(read):
     with pytest.raises(CampaignError, match="fields"):
         read("t\tu\tX\t\n" + rows("\t") + "1.0\t2.0\t3.0\t4.0\n")

@@ -90,7 +90,7 @@ def as_far_as_it_goes(path: Path, *, ship: str | None = None, out: Path | None =
             done = "trial" if campaign.kind == "free-running" else "reduced"
             results = way.results or results_folder(out, f"{stem(way.file)}-{done}")
             if campaign.kind == "free-running":
-                way = _measured(way, results)
+                way = _measured(way, campaign, results)
             else:
                 way = _reduced(way, campaign, results)
     except PmmkitError as error:
@@ -135,13 +135,17 @@ def _with_campaign(path: Path, ship: str | None, out: Path | None) -> DraftProgr
 def _checked(way: DraftProgress) -> tuple[DraftProgress, Campaign]:
     """The campaign opened and its runs held against one another."""
     from pmmkit.campaigns import open_campaign
-    from pmmkit.intake import examine
+    from pmmkit.intake import examine, name_runs
 
     campaign = open_campaign(way.file)
     findings = examine(campaign)
     contradictions = [item for item in findings if item.severity == "error"]
     if contradictions:
-        told = [" ".join(filter(None, (f"  {item}", item.remedy))) for item in contradictions]
+        told = [
+            " ".join(filter(None, (f"  {item.check}: {item.message}", item.remedy, where)))
+            for item in contradictions
+            for where in (f"Runs: {name_runs(item.runs)}." if item.runs else "",)
+        ]
         stopped = "\n".join(["The checks contradict it:", *told, *_CORRECTION])
         return replace(way, stopped=stopped, wrong=True), campaign
     doubts = [item for item in findings if item.severity == "warning"]
@@ -240,13 +244,16 @@ def _estimates(model: Model, file: Path) -> Iterator[Question]:
             )
 
 
-def _measured(way: DraftProgress, results: Path) -> DraftProgress:
-    """The manoeuvres of free-running records."""
+def _measured(way: DraftProgress, campaign: Campaign, results: Path) -> DraftProgress:
+    """The manoeuvres of free-running records; a library ship is compared with them, another one
+    becomes a model by her card."""
+    from pmmkit.models import ships
+
+    name = campaign.ship.name
+    then = f"pmmkit compare {name} {quoted(way.place)}" if name in ships() else "pmmkit card form"
     result = trial(TrialSettings(campaign=way.file, out=results))
-    way = replace(
-        way, result=result, then=f"pmmkit identify {quoted(way.place)} --model MODEL.toml"
-    )
-    return way.after("measure", f"{len(result.content['runs'])} manoeuvres")
+    measured = f"{len(result.content['runs'])} manoeuvres"
+    return replace(way, result=result, then=then).after("measure", measured)
 
 
 def _told(way: DraftProgress) -> Outcome:

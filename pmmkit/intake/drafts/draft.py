@@ -27,7 +27,7 @@ from pmmkit.intake.drafts.matrix import (
     left_lines,
     matrix_of,
     only_sheet,
-    shared_names,
+    prefixes,
     skipped,
     strangers,
     template_of,
@@ -45,7 +45,7 @@ from pmmkit.intake.drafts.motion import (
 )
 from pmmkit.intake.drafts.names import RunKey, facts_of, facts_of_header, settled
 from pmmkit.intake.drafts.questions import Found, particulars_of
-from pmmkit.intake.drafts.repeats import RowsBefore, without_repeats
+from pmmkit.intake.drafts.repeats import without_repeats
 from pmmkit.intake.file import LARGE, values_of
 from pmmkit.intake.folder import FileGroup, Look, look
 from pmmkit.intake.guessing import by_size
@@ -176,11 +176,12 @@ def draft_of(
     ]
     once = without_repeats(listed)
     listed = list(once.looks)
-    apart = _prefixes(listed) if shared_names(listed) else {}
+    apart = prefixes(listed)
     tables = [
-        _without_rows(entry, once.skip.get(item.shown))
+        entry if before is None else replace(entry, skip=before.lines, notes=before.notes)
         for item in listed
-        for entry in _tables(item, base, length, prefix=apart.get(item.shown, ""))
+        for before in (once.skip.get(item.shown),)
+        for entry in _tables(item, base, length, prefix=apart[item.shown])
     ]
     if not (runs or tables or saved):
         raise CampaignError(
@@ -647,26 +648,6 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
         settings=tuple(setting for setting in settings if setting.key not in known),
         problems=tuple(str(problem) for problem in item.problems),
     )
-
-
-def _without_rows(entry: RunDraft, before: RowsBefore | None) -> RunDraft:
-    """A table without its rows that stand in another."""
-    if before is None:
-        return entry
-    note = f"skipped rows stand in {before.where} as well"
-    return replace(entry, skip=before.lines, notes=(*entry.notes, note))
-
-
-def _prefixes(looks: Sequence[FileLook]) -> dict[str, str]:
-    """What tells the tests of a table from those of others that have the same names: its sheet,
-    or its file where that alone does."""
-    books = Counter(item.options.sheet for item in looks)
-    found = {}
-    for item in looks:
-        sheet = item.options.sheet
-        book = PurePosixPath(_stem(item.file)).name if books[sheet] > 1 else ""
-        found[item.shown] = "_".join(filter(None, (book, "" if sheet is None else str(sheet))))
-    return found
 
 
 def _tables(item: FileLook, base: str, length: float | None, *, prefix: str) -> list[RunDraft]:

@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import PurePosixPath
 from typing import Any, Final
 
 import numpy as np
@@ -93,14 +94,22 @@ def as_measured(item: FileLook, block: SheetBlock) -> dict[str, Any]:
     return found
 
 
-def shared_names(looks: Sequence[FileLook]) -> bool:
-    """Whether tests on several sheets have the same name."""
-    counted = Counter(
+def prefixes(looks: Sequence[FileLook]) -> dict[str, str]:
+    """What tells the tests of a table from those of others, by `FileLook.shown`: nothing where
+    each has its own name, else the sheet, or the file before it where several have such a sheet."""
+    named = Counter(
         name
         for look in looks
         for name in {name for block in look.blocks.runs for name in block.names}
     )
-    return any(count > 1 for count in counted.values())
+    books = Counter(look.options.sheet for look in looks)
+    found = {}
+    for look in looks:
+        sheet = look.options.sheet
+        book = PurePosixPath(look.file).stem if books[sheet] > 1 else None
+        parts = [str(part) for part in (book, sheet) if part is not None]
+        found[look.shown] = "_".join(parts) if max(named.values(), default=0) > 1 else ""
+    return found
 
 
 def left_lines(look: FileLook) -> list[str]:

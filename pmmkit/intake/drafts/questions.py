@@ -69,7 +69,7 @@ _UNITS: Final[Mapping[str, str]] = {
     **dict.fromkeys(("L", "B", "d", "xG", "propeller.D"), "m"),
 }
 """Units of those that lists have in others, mm and t, too."""
-_LONGEST: Final = 20.0
+LONGEST_MODEL: Final = 20.0
 """Length of a model at most [m]: a longer one is the ship."""
 _GYRADIUS: Final = (0.18, 0.32)
 """Radius of gyration over L: tells whether Izz is that of the model or of the ship."""
@@ -191,7 +191,7 @@ def _sizes(said: str) -> Iterator[tuple[str, float, str]]:
     """Length, breadth and draught of a model in a line such as "4.0 m x 0.7 m x 0.25 m"."""
     for found in () if _TANK.search(said) else _SIZES.finditer(said):
         L, B, d = (float(x.replace(",", ".")) for x in found.groups())
-        if B > 0.0 < d and L < _LONGEST and 3.0 < L / B < 15.0 and 1.5 < B / d < 8.0:
+        if B > 0.0 < d and L < LONGEST_MODEL and 3.0 < L / B < 15.0 and 1.5 < B / d < 8.0:
             yield from (("l", L, found[0]), ("b", B, found[0]), ("t", d, found[0]))
 
 
@@ -215,7 +215,7 @@ def _model(
     """The particulars at the scale of the model."""
     scale = listed.get("scale", (1.0, ""))[0]
     length = listed.get("L", (0.0, ""))[0]
-    ship = scale > 1.0 and length > _LONGEST
+    ship = scale > 1.0 and length > LONGEST_MODEL
     values: dict[str, float] = {}
     for key, power in _POWERS.items():
         if key in listed:
@@ -266,7 +266,8 @@ def _is(cell: Cell, name: str) -> bool:
 MARK: Final = "TODO"
 """Stands in the comment of a line that a person must fill in or confirm, who then takes it away."""
 FRESH_WATER: Final = 999.1
-"""Density at 15 °C [kg/m³]."""
+SEA_WATER: Final = 1026.0
+"""Densities at 15 °C, the sea's with 35 g/kg of salt (ITTC 7.5-02-01-03, 2011) [kg/m³]."""
 GYRADIUS: Final = 0.25
 """Radius of gyration in yaw over L, as of most ships: 0.24 to 0.26."""
 
@@ -445,7 +446,7 @@ class _Asked:
         table, _, key = self.key.rpartition(".")
         if self.known or key in _MAY_LACK or any(part in _MAY_LACK for part in self.key.split(".")):
             return ask(kind="off", guess=_default(table, key), why="the line is off")
-        guess, why = _estimate(self.key, stated)
+        guess, why = estimate_of(self.key, stated)
         follows = bool(guess) and key in _EITHER
         return ask(kind="off" if follows else "needed", guess=guess, why=why)
 
@@ -488,14 +489,12 @@ def _stated(text: str) -> Mapping[str, Mapping[str, float]]:
     }
 
 
-def _estimate(name: str, stated: Mapping[str, Mapping[str, float]]) -> tuple[str, str]:
+def estimate_of(name: str, stated: Mapping[str, Mapping[str, float]]) -> tuple[str, str]:
     """A number for a particular that nobody stated, and where it comes from."""
     ship, water = stated.get("ship", {}), stated.get("water", {})
     rho = water.get("rho", FRESH_WATER)
     length, volume = ship.get("L"), ship.get("volume")
     mass = ship.get("mass", rho * volume if volume else None)
-    if name == "water.rho":
-        return f"{FRESH_WATER:g}", "fresh water of 15 °C"
     if name == "ship.mass" and volume is not None:
         return f"{rho * volume:.4g}", "density times volume"
     if name == "ship.volume" and mass is not None and rho > 0:

@@ -24,6 +24,11 @@ class RowsBefore:
     lines: tuple[int, ...]
     where: str
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The same in words."""
+        return (f"skipped rows stand in {self.where} as well",)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Repeats:
@@ -110,8 +115,8 @@ _CERTAIN: Final = 6
 _FEWEST: Final = 3
 """Rows that are told to be skipped; fewer are left to the check of copies."""
 _NEAR: Final = 2e-3
-"""Difference over the rms of a channel: 1e-4 by the rounding of the KCS's first issue (Flanders
-Hydraulics 2012), .01 and more between repeats of a test in its report."""
+"""Difference over the rms of a channel: 1e-4 by the rounding of the first issue of the KCS in
+shallow water (report WL2012R00_066), .01 and more between its repeats of a test."""
 _MOST: Final = 0.5
 """Share of rows that make a table another issue: .77 to .81 of the KCS's two issues, .01 between
 her depths; of tests repeated with an error of .01 it is about .01 too."""

@@ -30,7 +30,7 @@ from pmmkit.intake.drafts.entries import (
     saved_run_lines,
 )
 from pmmkit.intake.drafts.matrix import scatter_lines
-from pmmkit.intake.drafts.questions import FRESH_WATER
+from pmmkit.intake.drafts.questions import FRESH_WATER, LONGEST_MODEL, SEA_WATER, Found, estimate_of
 from pmmkit.intake.seen import FileLook
 from pmmkit.presentation import printable
 from pmmkit.readers import READERS
@@ -261,19 +261,19 @@ def _ship(draft: Draft, todo: Todo) -> list[str]:
             "absent 0 ± 0.04 L where a balance weighs the model",
             *(_ROLL if any("K" in entry.look.known for entry in draft.runs) else ()),
         ]
-    return [*lines, "", "[water]", _density(draft, todo)]
+    return [*lines, "", "[water]", _density(draft)]
 
 
-def _density(draft: Draft, todo: Todo) -> str:
-    """As listed; that of a tank is else taken for fresh water's, 0.1 % true from 10 to 20 °C; the
-    sea's is not."""
+def _density(draft: Draft) -> str:
+    """As listed; else a model's is taken for fresh water's, 0.1 % true from 10 to 20 °C, and a
+    ship's for the sea's."""
     if "rho" in draft.particulars:
         rho, where = draft.particulars["rho"]
         return aligned(f"rho = {rho:g}", where)
-    if draft.kind == "captive":
-        return _RHO
-    todo.add("[water] rho: the density of the water [kg/m³].")
-    return "# rho = ...                      # TODO density [kg/m³]; fresh water of 15 °C: 999.1"
+    ship = "L" in draft.particulars and draft.particulars["L"][0] > LONGEST_MODEL
+    rho, words = (SEA_WATER, "sea water") if ship else (FRESH_WATER, "fresh water")
+    why = f"{words} of 15 °C; TODO density [kg/m³] if it was another"
+    return aligned(f"rho = {rho:g}", why)
 
 
 def _asked(key: str) -> str:
@@ -298,13 +298,22 @@ def _listed(draft: Draft, todo: Todo) -> list[str]:
     for key in _OF_SHIP:
         if key in found:
             lines.append(aligned(f"{key} = {toml(found[key][0])}", found[key][1]))
+        elif key == "Izz" and draft.kind == "free-running" and (guess := _inertia(found)):
+            lines.append(guess)
         elif key not in ("mass", "xG") and not (key == "volume" and "mass" in found):
             lines.append(_asked(key))
             todo.add(f"[ship] {key}: it is not in the list.")
-    lines += ["", "[water]", _density(draft, todo)]
+    lines += ["", "[water]", _density(draft)]
     if "depth" in found:
         lines.append(aligned(f"depth = {toml(found['depth'][0])}", found["depth"][1]))
     return lines
+
+
+def _inertia(found: Found) -> str:
+    """The yaw inertia as most ships have it: the manoeuvres of a record are measured without it."""
+    stated = {key: value for key, (value, _) in found.items() if isinstance(value, float)}
+    value, why = estimate_of("ship.Izz", {"ship": stated, "water": stated})
+    return aligned(f"Izz = {value}", f"{why}; TODO {_OF_SHIP_ASKED['Izz']}") if value else ""
 
 
 def _behind(draft: Draft) -> list[str]:
@@ -321,9 +330,6 @@ def _behind(draft: Draft) -> list[str]:
 
 
 _OF_SHIP: Final = ("L", "B", "d", "volume", "mass", "Izz", "xG")
-_RHO: Final = aligned(
-    f"rho = {FRESH_WATER:g}", "fresh water of 15 °C; TODO density [kg/m³] if it was another"
-)
 _ROLL: Final = (
     "# zG = 0.0                       # TODO centre of gravity below the origin [m]",
     "# GM = ...                       # TODO metacentric height [m], for a model that rolls",

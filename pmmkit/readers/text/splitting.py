@@ -174,6 +174,8 @@ def _taken_apart(data: bytes, request: Request) -> tuple[Text, Heading]:
         if not data[heading.start :].isascii():
             raise request.error(doubt)
         notes = (*notes, "the heading is not UTF-8 and was read as cp1252")
+    if empty := sum(bool(row.strip(b"\r ")) for row in data[stop:].split(b"\n")):
+        notes = (*notes, f"the file ends in {empty} rows without a number; they are not read")
     data, comments = _without_comments(data, stop, heading, request)
     taken = Text(
         headers=heading.headers,
@@ -229,11 +231,15 @@ def _without_comments(
 
 
 def _last(data: bytes) -> int:
-    """Where the last line that holds something ends."""
+    """Where the last line that holds something ends; spreadsheets end files in bare delimiters."""
     stop = len(data)
-    while stop and data[stop - 1] in b"\r\n ":
-        stop -= 1
-    return stop
+    while True:
+        while stop and data[stop - 1] in b"\r\n ":
+            stop -= 1
+        begin = data.rfind(b"\n", 0, stop) + 1
+        if not stop or data[begin:stop].strip(b",; \t\r"):
+            return stop
+        stop = begin
 
 
 def cut_off(text: Text) -> bool:
