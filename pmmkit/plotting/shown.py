@@ -1,11 +1,14 @@
-"""Figures that a notebook shows where they are the last word of a cell."""
+"""Figures that a notebook shows where they are the last word of a cell, and what draws them."""
 
 from __future__ import annotations
 
 import io
-from typing import Final
+from typing import Any, Final
 
+from matplotlib.backends import backend_svg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 DOTS: Final = 130
 """Dots per inch in a notebook."""
@@ -21,3 +24,32 @@ class Shown(Figure):
         buffer = io.BytesIO()
         self.savefig(buffer, format="png", dpi=DOTS)
         return buffer.getvalue()
+
+
+class Measured(FigureCanvasSVG):
+    """A canvas whose layout measures with the renderer that draws, which so parses formulas once.
+
+    file: what the renderer writes to. dots: dots per inch of what is no line.
+    """
+
+    def __init__(self, figure: Figure, file: io.StringIO, dots: float) -> None:
+        super().__init__(figure)
+        untyped: Any = backend_svg
+        width, height = figure.get_size_inches()
+        size = width * self.fixed_dpi, height * self.fixed_dpi
+        lines = untyped.RendererSVG(*size, file, image_dpi=dots, metadata={"Date": None})
+        self._renderer = untyped.MixedModeRenderer(figure, width, height, dots, lines)
+
+    def get_renderer(self) -> Any:
+        """What layout asks a canvas for."""
+        return self._renderer
+
+
+class Powers(ScalarFormatter):
+    """Numbers as plain text, since formulas take long to draw, and their power of ten as one."""
+
+    def get_offset(self) -> str:
+        self.set_useMathText(True)
+        power = super().get_offset()
+        self.set_useMathText(False)
+        return power

@@ -127,9 +127,11 @@ def canvas(height: float, width: float = WIDTH) -> Figure:
 
 
 def in_powers(axes: Iterable[Axes]) -> None:
-    """Write the common power of ten of the ordinates of `axes` as a power (takes time to draw)."""
+    """Write the common power of ten of the ordinates of `axes` as a power."""
+    from pmmkit.plotting.shown import Powers
+
     for axis in axes:
-        axis.ticklabel_format(axis="y", useMathText=True)
+        axis.yaxis.set_major_formatter(Powers())
 
 
 def colour(number: int) -> str:
@@ -255,27 +257,27 @@ def svg(figure: Figure) -> str:
         What to draw.
     """
     buffer = io.StringIO()
-    with styled(), _laid_out(figure) as canvas:
-        canvas.print_svg(buffer, metadata={"Date": None})
+    with styled(), _laid_out(figure, buffer) as renderer:
+        figure.draw(renderer)
+        renderer.finalize()
     text = buffer.getvalue()
     return text[text.index("<svg") :]
 
 
 @contextmanager
-def _laid_out(figure: Figure) -> Iterator[Any]:
-    """The figure on a canvas of SVG, its axes in their places: `savefig` would find them by drawing
-    everything, and then draw everything again."""
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
+def _laid_out(figure: Figure, file: io.StringIO) -> Iterator[Any]:
+    """A renderer of SVG into `file`, the axes of the figure in their places: `savefig` would find
+    them by drawing everything, and then draw everything again."""
+    from pmmkit.plotting.shown import Measured
 
     dots, engine, shown_on = figure.dpi, figure.get_layout_engine(), figure.canvas
-    canvas = FigureCanvasSVG(figure)
     try:
-        figure.dpi = canvas.fixed_dpi
+        figure.dpi = Measured.fixed_dpi
+        renderer = Measured(figure, file, dots=_STYLE["savefig.dpi"]).get_renderer()
         if engine is not None:
             engine.execute(figure)
             figure.set_layout_engine("none")
-        figure.dpi = _STYLE["savefig.dpi"]
-        yield canvas
+        yield renderer
     finally:
         figure.dpi = dots
         figure.set_canvas(shown_on)
