@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import sys
@@ -14,12 +15,15 @@ from pmmkit.actions import DONE, WRONG
 from pmmkit.base import ONE_THREAD, PmmkitError
 
 USAGE, STOPPED = 2, 130
+YOUNG = 20_000
+"""New objects after which Python looks for cycles; its own 700 cost a reduction 0.6 s of 9."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command."""
     if arguments is None:  # the process is ours
         os.environ.update({name: own for name, own in ONE_THREAD.items() if name not in os.environ})
+        gc.set_threshold(YOUNG)
     given = list(sys.argv[1:] if arguments is None else arguments)
     _open_streams()
     for stream in (sys.stdout, sys.stderr):

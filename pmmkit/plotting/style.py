@@ -208,16 +208,19 @@ def legend_below(figure: Figure, axes: Sequence[Axes], columns: int = 4) -> None
 def _fitting(figure: Figure, labels: Sequence[str], columns: int) -> int:
     """How many columns of a legend the width of a figure holds."""
     from matplotlib import rcParams
+    from matplotlib.cbook import is_math_text
     from matplotlib.font_manager import FontProperties
-    from matplotlib.textpath import TextPath
+    from matplotlib.textpath import text_to_path
 
-    size = FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points()
+    font = FontProperties(size=rcParams["legend.fontsize"])
+    size = font.get_size_in_points()
     beside = size * (
         rcParams["legend.handlelength"]
         + rcParams["legend.handletextpad"]
         + rcParams["legend.columnspacing"]
     )
-    widths = [TextPath((0, 0), x, size=size).get_extents().width for x in labels]
+    measure = text_to_path.get_text_width_height_descent
+    widths = [measure(x, font, is_math_text(x))[0] for x in labels]
     for count in range(min(columns, len(labels)), 1, -1):
         own = sum(max(column) for column in np.array_split(widths, count))
         if own + count * beside < 72.0 * figure.get_figwidth():
