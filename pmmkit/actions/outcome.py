@@ -204,6 +204,6 @@ def figure_files(
     figures: Mapping[str, Figure], ending: str = "svg"
 ) -> list[tuple[str, Callable[[Path], Path]]]:
     """Figures by name as results to be written (see `files.write_results`)."""
-    from pmmkit.plotting import save
+    from pmmkit.plotting import save, settled
 
-    return [(f"{name}.{ending}", partial(save, figure)) for name, figure in figures.items()]
+    return [(f"{name}.{ending}", partial(save, settled(own))) for name, own in figures.items()]

@@ -228,6 +228,16 @@ def _fitting(figure: Figure, labels: Sequence[str], columns: int) -> int:
     return 1
 
 
+def settled(figure: Figure) -> Figure:
+    """A figure that is ready, its labels without words in some place: each else measures the ticks
+    of its axis to find one."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if not axis.get_label_text():
+                axis.set_label_coords(0.0, 0.0)
+    return figure
+
+
 def save(figure: Figure, path: str | Path) -> Path:
     """Write a figure, all or nothing; the ending of the name says how (png, svg, pdf).
 

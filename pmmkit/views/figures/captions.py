@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.numerics import Array
-from pmmkit.plotting import svg
+from pmmkit.plotting import settled, svg
 from pmmkit.presentation import Picture
 
 if TYPE_CHECKING:
@@ -208,16 +208,7 @@ def drawn(
     figure: Figure, caption: str, *, facts: Iterable[str] = (), narrow: bool = False, file: str = ""
 ) -> Picture:
     """A figure with its caption, and an alternative text from what it holds."""
-    _settle(figure)
     alt = " ".join([*facts, seen(figure)]) or caption
     return Picture(
-        svg=svg(figure), caption=caption, narrow=narrow, alt=alt, file=file, figure=figure
+        svg=svg(settled(figure)), caption=caption, narrow=narrow, alt=alt, file=file, figure=figure
     )
-
-
-def _settle(figure: Figure) -> None:
-    """Give labels without words a place: each else measures the ticks of its axis to find one."""
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            if not axis.get_label_text():
-                axis.set_label_coords(0.0, 0.0)
