@@ -204,6 +204,6 @@ def figure_files(
     figures: Mapping[str, Figure], ending: str = "svg"
 ) -> list[tuple[str, Callable[[Path], Path]]]:
     """Figures by name as results to be written (see `files.write_results`)."""
-    from pmmkit.plotting import save, settled
+    from pmmkit.plotting import save
 
-    return [(f"{name}.{ending}", partial(save, settled(own))) for name, own in figures.items()]
+    return [(f"{name}.{ending}", partial(save, own, final=True)) for name, own in figures.items()]

@@ -228,17 +228,7 @@ def _fitting(figure: Figure, labels: Sequence[str], columns: int) -> int:
     return 1
 
 
-def settled(figure: Figure) -> Figure:
-    """A figure that is ready, its labels without words in some place: each else measures the ticks
-    of its axis to find one."""
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            if not axis.get_label_text():
-                axis.set_label_coords(0.0, 0.0)
-    return figure
-
-
-def save(figure: Figure, path: str | Path) -> Path:
+def save(figure: Figure, path: str | Path, *, final: bool = False) -> Path:
     """Write a figure, all or nothing; the ending of the name says how (png, svg, pdf).
 
     Parameters
@@ -247,13 +237,15 @@ def save(figure: Figure, path: str | Path) -> Path:
         What to write.
     path : path
         Where.
+    final : bool
+        As for `svg`.
     """
     target = Path(path)
     with atomic_path(target) as part:
         if target.suffix == ".svg":
             from matplotlib.backends.backend_svg import svgProlog
 
-            part.write_text(svgProlog + svg(figure), encoding="utf-8", newline="\n")
+            part.write_text(svgProlog + svg(figure, final=final), encoding="utf-8", newline="\n")
         else:
             with styled():
                 undated = {"CreationDate": None} if target.suffix == ".pdf" else {}
@@ -261,20 +253,32 @@ def save(figure: Figure, path: str | Path) -> Path:
     return target
 
 
-def svg(figure: Figure) -> str:
+def svg(figure: Figure, *, final: bool = False) -> str:
     """A figure as an ``<svg>`` element to stand inside a page.
 
     Parameters
     ----------
     figure : Figure
         What to draw.
+    final : bool
+        Whether no axis is given a label afterwards, which takes less time.
     """
+    if final:
+        _settle(figure)
     buffer = io.StringIO()
     with styled(), _laid_out(figure, buffer) as renderer:
         figure.draw(renderer)
         renderer.finalize()
     text = buffer.getvalue()
     return text[text.index("<svg") :]
+
+
+def _settle(figure: Figure) -> None:
+    """Give labels without words a place: each else measures the ticks of its axis to find one."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if not axis.get_label_text():
+                axis.set_label_coords(0.0, 0.0)
 
 
 @contextmanager

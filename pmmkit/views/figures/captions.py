@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.numerics import Array
-from pmmkit.plotting import settled, svg
+from pmmkit.plotting import svg
 from pmmkit.presentation import Picture
 
 if TYPE_CHECKING:
@@ -209,6 +209,5 @@ def drawn(
 ) -> Picture:
     """A figure with its caption, and an alternative text from what it holds."""
     alt = " ".join([*facts, seen(figure)]) or caption
-    return Picture(
-        svg=svg(settled(figure)), caption=caption, narrow=narrow, alt=alt, file=file, figure=figure
-    )
+    drawing = svg(figure, final=True)
+    return Picture(svg=drawing, caption=caption, narrow=narrow, alt=alt, file=file, figure=figure)
