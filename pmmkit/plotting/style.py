@@ -241,11 +241,13 @@ def save(figure: Figure, path: str | Path, *, final: bool = False) -> Path:
         As for `svg`.
     """
     target = Path(path)
+    if final:
+        _settle(figure)
     with atomic_path(target) as part:
         if target.suffix == ".svg":
             from matplotlib.backends.backend_svg import svgProlog
 
-            part.write_text(svgProlog + svg(figure, final=final), encoding="utf-8", newline="\n")
+            part.write_text(svgProlog + svg(figure), encoding="utf-8", newline="\n")
         else:
             with styled():
                 undated = {"CreationDate": None} if target.suffix == ".pdf" else {}
