@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dis
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from enum import EnumType, IntEnum
@@ -15,7 +16,6 @@ from pmmkit.conventions import CHANNELS
 from pmmkit.effects import PRIMITIVES, catalogue, function_of_text, rebound
 from pmmkit.equations import layouts
 from pmmkit.equations.layouts import (
-    POLYNOMIAL,
     ROLLING,
     STATES,
     Constant,
@@ -54,6 +54,8 @@ CARRYING: Final = ("equilibrium.py", "integrator.py", "communication.py", "surro
 """What a program in another language is made of; with it stands `forces`."""
 ESTIMATING: Final = ("equilibrium.py", "integrator.py", "sensors.py", "intervals.py", FILTERS)
 """What carries records through filters; the filters themselves know nothing of ships."""
+OF_ARRAYS: Final = ("sensors.py", "intervals.py", FILTERS)
+"""What takes arrays of several dimensions: numba compiles it."""
 ENTRIES: Final = (
     "rates",
     "complete",
@@ -84,6 +86,8 @@ ENTRIES: Final = (
 """Functions that are called from outside the module."""
 LANES: Final = 8
 """Ships side by side: a vector of AVX-512, two of AVX2. It enters no result."""
+_NUMBER: Final = re.compile(r"^[A-Z][A-Z_, ]* = .*$", re.MULTILINE)
+_HEAD: Final = re.compile(r"^def (\w+)\((.*)\):$", re.MULTILINE)
 _OF_LANES: Final = ("sin", "cos", "atan2")
 _FACTORS: Final = {
     "u": "surge",
@@ -104,7 +108,7 @@ def module_text(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -
     """Python text of the equations of a structure, followed by the engine."""
     lines = ["import math", "from math import atan2, cos, fabs, sin, sqrt"]
     for item in structure.used:
-        lines += [*_taken_in(item), f"effect_{item.effect} = use(plain_{item.effect})"]
+        lines += [*_taken_in(item), f"effect_{item.effect} = plain_{item.effect}"]
     free, balance = _balanced(structure)
     states = structure.states
     lines += [
@@ -121,9 +125,29 @@ def module_text(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -
         *(_forces(structure) if files == CARRYING else []),
         *(_rates_of_lanes(structure) if files == SAILING else []),
         "",
-        _functions(files),
+        _functions(tuple(name for name in files if name not in OF_ARRAYS)),
+        _functions(tuple(name for name in files if name in OF_ARRAYS)),
     ]
     return "\n".join(lines) + "\n"
+
+
+def entries_text(text: str, files: tuple[str, ...]) -> str:
+    """What numba compiles of the text of a module: numbers, entries, functions that take arrays.
+
+    Entries hand over to the functions of lists as `pmmkit.equations.machine_code.written`.
+    """
+    arrays = _functions(tuple(name for name in files if name in OF_ARRAYS))
+    lines = ["import math", "", *_NUMBER.findall(text), ""]
+    for name, given in _HEAD.findall(text.removesuffix(f"{arrays}\n")):
+        if name in ENTRIES:
+            lines += [
+                f"written_{name} = written({name!r})",
+                "@entry",
+                f"def {name}({given}):",
+                f"    return written_{name}(({given},))",
+                "",
+            ]
+    return "\n".join([*lines, arrays])
 
 
 def _taken_in(item: Used) -> list[str]:
@@ -167,7 +191,6 @@ def _instant(structure: EquationStructure, *, heeled: bool) -> list[str]:
 def _rates(structure: EquationStructure, *, heeled: bool) -> list[str]:
     """The equations; of a ship without roll `heeled` takes the heel from the constants."""
     return [
-        "@entry",
         "def rates(y, delta, revolutions, bucket, k, out):",
         *(f"    {line}" for line in _equations(structure, heeled=heeled)),
     ]
@@ -204,11 +227,7 @@ def _rates_of_lanes(structure: EquationStructure) -> list[str]:
         "k": moves + len(Control) * len(LaneMove) * lanes,
     }
     controls = [moves + (len(LaneMove) * c + LaneMove.value) * lanes for c in Control]
-    head = [
-        "",
-        f"LANES, TIMES, MOVES, WIDE = {lanes}, {times}, {moves}, {begin['k']}",
-        "part = lane_functions.part",
-    ]
+    head = ["", f"LANES, TIMES, MOVES, WIDE = {lanes}, {times}, {moves}, {begin['k']}"]
     if lanes == 1:
         y, out = (f"part(s, {begin[name]}, {size})" for name in ("y", "out"))
         k = f"part(s, {begin['k']}, len(s) - {begin['k']})"
@@ -216,7 +235,6 @@ def _rates_of_lanes(structure: EquationStructure) -> list[str]:
             *head,
             "exponential = math.exp",
             "",
-            "@inner",
             "def rates_of_lanes(s):",
             f"    rates({y}, {', '.join(f's[{at}]' for at in controls)}, {k}, {out})",
         ]
@@ -226,9 +244,8 @@ def _rates_of_lanes(structure: EquationStructure) -> list[str]:
         *head,
         "exponential = lane_functions.exp",
         *(f"lane_{name} = lane_functions.{name}" for name in _OF_LANES),
-        *(f"lane_{x.effect} = lane_functions.use(plain_{x.effect})" for x in structure.used),
+        *(f"lane_{x.effect} = in_lanes(plain_{x.effect})" for x in structure.used),
         "",
-        "@entry",
         "def rates_of_lanes(s):",
         f"    for lane in range({lanes}):",
         f"        delta, revolutions, bucket = {', '.join(f's[{at} + lane]' for at in controls)}",
@@ -287,7 +304,6 @@ def _forces(structure: EquationStructure) -> list[str]:
     body += [f"out[{place}] = {name}" for place, name in enumerate(structure.told)]
     return [
         "",
-        "@entry",
         "def forces(y, delta, revolutions, bucket, k, out):",
         *(f"    {line}" for line in body),
     ]
@@ -362,7 +378,7 @@ def _polynomial(structure: EquationStructure) -> list[str]:
         return [
             *lines,
             f"factors = ({factors})",
-            f"at = int(k[{POLYNOMIAL}])",
+            f"at = {structure.width}",
             "for _ in range(int(k[at])):",
             "    product = square",
             "    for _ in range(int(k[at + 1])):",
@@ -523,5 +539,6 @@ def _functions(files: tuple[str, ...]) -> str:
         text = Path(__file__).parent.joinpath(name).read_text(encoding="utf-8")
         for own in functions(text).values():
             mark = "entry" if own.name in ENTRIES else "inner"
-            parts += [*python_lines(own.replaced(_numbers), mark=mark), ""]
+            own = own.replaced(_numbers)
+            parts += [*python_lines(own, mark=mark if name in OF_ARRAYS else ""), ""]
     return "\n".join(parts)

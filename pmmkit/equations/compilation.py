@@ -3,29 +3,31 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 import sys
 import warnings
-from collections.abc import Callable
-from functools import cache
-from math import atan2, cos, exp, sin
+from collections.abc import Mapping
+from functools import cache, partial
 from pathlib import Path
-from types import FunctionType, ModuleType, SimpleNamespace
-from typing import Any, Final
+from types import FunctionType, ModuleType
+from typing import Any
 
 import numpy as np
 
 from pmmkit.base import __version__
 from pmmkit.effects import rebound
-from pmmkit.equations.code_generation import ENGINE, module_text
+from pmmkit.equations import lane_functions, stand_ins
+from pmmkit.equations.code_generation import ENGINE, entries_text, module_text
 from pmmkit.equations.structure import EquationStructure
 from pmmkit.files import atomic_path, cache_folder
+from pmmkit.syntax import Function, LlvmProgram, functions
 
 
 @cache
 def interpreted(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> ModuleType:
     """The functions of a structure, run by Python itself; lists stand for their arrays."""
-    return _plain(structure, files, lambda size: [0.0] * size)
+    return _plain(structure, files)
 
 
 @cache
@@ -40,15 +42,21 @@ def compiled(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> M
     try:
         import numba
 
-        from pmmkit.equations import compiled_cache, lane_functions
+        from pmmkit.equations import compiled_cache, machine_code
     except ImportError as error:
         warnings.warn(
             f"Equations are interpreted, which takes many times as long: {error}. Install numba.",
             stacklevel=2,
         )
-        return _plain(structure, files, np.zeros)
+        return _plain(structure, files, vector=np.zeros)
 
-    text, name = _text_and_name(structure, files)
+    whole, name = _text_and_name(structure, files)
+    if vars(numba.config)["DISABLE_JIT"]:
+        # Numba runs everything as Python where it is told not to compile.
+        module = _plain(structure, files, vector=np.zeros)
+        module.__name__ = name
+        return module
+    text = _HEAD + entries_text(whole, files)
     entry, place = compiled_cache.kept, name
     try:
         path = _folder() / f"{name}.py"
@@ -59,9 +67,8 @@ def compiled(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> M
     except OSError:
         entry = compiled_cache.not_kept
     module = sys.modules[name] = ModuleType(name)
-    # Numba runs everything as Python where it is told not to compile.
-    of_lanes = _PLAIN if vars(numba.config)["DISABLE_JIT"] else lane_functions
-    module.__dict__.update(entry=entry, lane_functions=of_lanes)
+    written = machine_code.written(partial(_source, structure, files), f"{name}.")
+    module.__dict__.update(entry=entry, written=written)
     exec(compile(text, place, "exec"), module.__dict__)
     return module
 
@@ -73,18 +80,29 @@ def is_compiled(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -
     return any((cache_folder() / f"v{__version__}").glob(f"{name}.run-*.nbi"))
 
 
+@cache
+def _source(
+    structure: EquationStructure, files: tuple[str, ...]
+) -> tuple[Mapping[str, Function], ModuleType]:
+    """The functions of a structure as trees, and as Python runs them; those of lanes as they are.
+
+    A session that finds the machine code on the disk does not need them.
+    """
+    of_lanes = {"lane_functions": lane_functions, "in_lanes": lane_functions.use}
+    return functions(module_text(structure, files)), _plain(structure, files, **of_lanes)
+
+
 def _text_and_name(structure: EquationStructure, files: tuple[str, ...]) -> tuple[str, str]:
-    text = _HEAD + module_text(structure, files)
+    text = module_text(structure, files)
     return text, f"pmmkit_equations_{_fingerprint(structure, text)}"
 
 
-def _plain(
-    structure: EquationStructure, files: tuple[str, ...], vector: Callable[[int], Any]
-) -> ModuleType:
-    """The functions of a structure for Python itself, with what makes their empty arrays."""
+def _plain(structure: EquationStructure, files: tuple[str, ...], **given: Any) -> ModuleType:
+    """The functions of a structure for Python itself; `given` replaces what they are given else."""
     module = ModuleType("pmmkit_equations")
-    given = {"entry": _same, "inner": _same, "use": _same, "vector": vector}
-    module.__dict__.update(given, lane_functions=_PLAIN, np=np, numpy=np)
+    module.__dict__.update(entry=_same, inner=_same, in_lanes=_same, lane_functions=math, np=np)
+    module.__dict__.update(vector=stand_ins.vector, part=stand_ins.part)
+    module.__dict__.update(given)
     exec(compile(module_text(structure, files), "<equations of a model>", "exec"), module.__dict__)
     return module
 
@@ -118,18 +136,15 @@ def _same(function: Any) -> Any:
     return function
 
 
-def _part(values: Any, first: int, size: int) -> Any:
-    return values[first : first + size]
-
-
 def _fingerprint(structure: EquationStructure, text: str) -> str:
     """Hash of all that the compiled code depends on."""
     digest = hashlib.sha256(text.encode())
     for file in (
-        str(sys.modules[rebound.__module__].__file__),
-        Path(__file__).with_name("lane_functions.py"),
+        Path(str(sys.modules[rebound.__module__].__file__)),
+        *(Path(__file__).with_name(f"{name}.py") for name in ("lane_functions", "machine_code")),
+        *sorted(Path(str(sys.modules[LlvmProgram.__module__].__file__)).parent.glob("*.py")),
     ):
-        digest.update(Path(file).read_bytes())
+        digest.update(file.read_bytes())
     for item in structure.used:
         if not item.text:
             for code in sorted(_codes_of(item.known.force)):
@@ -151,25 +166,16 @@ def _codes_of(function: Any) -> set[bytes]:
     return found
 
 
-_PLAIN: Final = SimpleNamespace(use=_same, part=_part, sin=sin, cos=cos, atan2=atan2, exp=exp)
-_HEAD = '''"""Equations of motion of one structure of model; pmmkit wrote it; it gives the rest."""
+_HEAD = '''"""Entries to the equations of motion of one structure of model; pmmkit wrote them."""
 
 import numba
-import numpy
 import numpy as np
-
-from pmmkit.equations.compiled_effects import use
 
 
 def inner(function):
     return numba.njit(
         function, nogil=True, error_model="numpy", forceinline=True, no_cfunc_wrapper=True
     )
-
-
-@inner
-def vector(size):
-    return numpy.zeros(size)
 
 
 '''

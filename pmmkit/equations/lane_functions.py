@@ -8,16 +8,12 @@ place, of angles below 10⁵ rad.
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable
 from math import fabs, pi
 from typing import Any, Final
 
-from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
-
-from pmmkit.equations import compiled_effects
-from pmmkit.equations.compiled_effects import inner
+from pmmkit.effects import rebound
 
 _SHIFT: Final = 6755399441055744.0
 """1.5 · 2⁵²: a number added to it is rounded to a whole one, which its last bits hold."""
@@ -26,53 +22,32 @@ _PARTS_OF_PI: Final = (1.5707963267341256, 6.077100506303966e-11, 2.022266248795
 _PARTS_OF_LOG_2: Final = (0.6931471803691238, 1.9082149292705877e-10)
 
 
-_intrinsic: Final[Callable[[Callable[..., Any]], Any]] = intrinsic
-_packed: Final[Any] = cgutils.pack_array
-
-
-@_intrinsic
-def _bits(_context: Any, _x: Any) -> Any:
+def bits(x: float) -> int:
     """The 64 bits of a float as a whole number."""
-
-    def made(target: Any, builder: Any, _signature: Any, given: Any) -> Any:
-        return builder.bitcast(given[0], target.get_value_type(types.int64))
-
-    return types.int64(types.float64), made
+    return int.from_bytes(struct.pack("<d", x), "little", signed=True)
 
 
-@_intrinsic
-def _of_bits(_context: Any, _x: Any) -> Any:
+def of_bits(i: int) -> float:
     """The float that 64 bits stand for."""
-
-    def made(target: Any, builder: Any, _signature: Any, given: Any) -> Any:
-        return builder.bitcast(given[0], target.get_value_type(types.float64))
-
-    return types.float64(types.int64), made
+    return float(struct.unpack("<d", (i % 2**64).to_bytes(8, "little"))[0])
 
 
-@_intrinsic
-def part(_context: Any, values: Any, _first: Any, _size: Any) -> Any:
-    """A view of an array that is not counted as a user of it, so that it costs nothing."""
-
-    def made(target: Any, builder: Any, signature: Any, given: Any) -> Any:
-        whole = target.make_array(signature.args[0])(target, builder, given[0])
-        view = target.make_array(signature.return_type)(target, builder)
-        item = whole.itemsize
-        target.populate_array(
-            view,
-            data=builder.gep(whole.data, [given[1]]),
-            shape=_packed(builder, [given[2]]),
-            strides=_packed(builder, [item]),
-            itemsize=item,
-            meminfo=None,
-        )
-        return view._getvalue()
-
-    return values(values, types.intp, types.intp), made
+def bits_of_both(a: int, b: int) -> int:
+    """Bits that two numbers have."""
+    return a & b
 
 
-@inner
-def _of_quarter(x: Any, further: int) -> Any:
+def bits_of_one(a: int, b: int) -> int:
+    """Bits that one of two numbers has."""
+    return a ^ b
+
+
+def bits_moved(a: int, places: int) -> int:
+    """Bits so many places higher; `of_bits` leaves out those that are moved out."""
+    return a << places
+
+
+def _of_quarter(x: float, further: int) -> float:
     """Sine of an angle and of so many right angles more."""
     shifted = x * (2.0 / pi) + _SHIFT
     right_angles = shifted - _SHIFT
@@ -135,25 +110,22 @@ def _of_quarter(x: Any, further: int) -> Any:
             )
         )
     )
-    quarter = _bits(shifted) + further
-    value = cosine if (quarter & 1) != 0 else sine
-    return _of_bits(_bits(value) ^ ((quarter & 2) << 62))
+    quarter = bits(shifted) + further
+    value = cosine if bits_of_both(quarter, 1) != 0 else sine
+    return of_bits(bits_of_one(bits(value), bits_moved(bits_of_both(quarter, 2), 62)))
 
 
-@inner
-def sin(x: Any) -> Any:
+def sin(x: float) -> float:
     """Sine."""
     return _of_quarter(x, 0)
 
 
-@inner
-def cos(x: Any) -> Any:
+def cos(x: float) -> float:
     """Cosine."""
     return _of_quarter(x, 1)
 
 
-@inner
-def exp(x: Any) -> Any:
+def exp(x: float) -> float:
     """Exponential function, held beyond ±700."""
     x = x if x > -700.0 else -700.0
     x = x if x < 700.0 else 700.0
@@ -204,19 +176,17 @@ def exp(x: Any) -> Any:
             )
         )
     )
-    return power * _of_bits((_bits(shifted) + 1023) << 52)
+    return power * of_bits(bits_moved(bits(shifted) + 1023, 52))
 
 
-@inner
-def tanh(x: Any) -> Any:
+def tanh(x: float) -> float:
     """Hyperbolic tangent."""
     falling = exp(-2.0 * fabs(x))
     value = (1.0 - falling) / (1.0 + falling)
     return value if x >= 0.0 else -value
 
 
-@inner
-def atan2(y: Any, x: Any) -> Any:
+def atan2(y: float, x: float) -> float:
     """Angle of a point; 0 at the origin."""
     across, along = fabs(y), fabs(x)
     low = across if across < along else along
@@ -275,4 +245,5 @@ def atan2(y: Any, x: Any) -> Any:
 
 def use(function: Callable[..., Any]) -> Any:
     """A copy of an effect's function, and of all that it calls, for loops over lanes."""
-    return compiled_effects.use(function, sin=sin, cos=cos, exp=exp, tanh=tanh, atan2=atan2)
+    own = {"sin": sin, "cos": cos, "exp": exp, "tanh": tanh, "atan2": atan2}
+    return rebound(function, own, lambda copy: copy)

@@ -225,10 +225,7 @@ def run_many(
     moving, at = part(memory, at, len(Control)), at + len(Control)
     y, new = part(memory, at, NS), part(memory, at + NS, NS)
     k1, found, at = part(memory, at + 2 * NS, NS), part(memory, at + 3 * NS, NS), at + 4 * NS
-    answers, steps = part(memory, at, asks), part(steps, 0, len(steps))
-    ships, results = part(ships, 0, len(ships)), part(results, 0, len(results))
-    phases, settings = part(phases, 0, len(phases)), part(settings, 0, len(settings))
-    probes, outcomes = part(probes, 0, len(probes)), part(outcomes, 0, len(outcomes))
+    answers = part(memory, at, asks)
     rtol, taken, busy = settings[SettingField.rtol], first, LANES
     for c in range(len(Control)):
         for p in range(count):
@@ -323,4 +320,3 @@ def run_many(
                 for i in range(NS):
                     s[(LaneSlot.y * NS + i) * LANES + lane] = new[i]
                     s[(LaneSlot.k1 * NS + i) * LANES + lane] = k1[i]
-    memory[0] = 0.0  # Used until here: its parts do not keep it.

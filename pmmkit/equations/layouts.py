@@ -77,8 +77,6 @@ mass of surge and the inverse of the mass matrix of sway, yaw and roll (i11 to i
 Heel [rad], roll rate [rad/s] and its rate [rad/s²] are those measured, where estimators drive a
 ship that does not roll by itself. Wave height [m] and direction [rad] are those that a record
 states; a height below zero where none does, and the model has a sea of its own or none."""
-POLYNOMIAL: Final = -1
-"""The last constant of the kernel for all polynomials says where its products begin."""
 
 State = IntEnum("State", ("x", "y", "psi", "u", "v", "r", "p", "phi"), start=0)
 """The states of a ship; of one that does not roll those up to r. States of effects follow."""

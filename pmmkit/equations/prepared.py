@@ -506,12 +506,10 @@ def packed(
             value = values[item.effect].get(name, 0.0)
             k += list(value) if name in lengths and isinstance(value, tuple) else [value]
     if generic:
-        at = len(k)
         k.append(float(len(monomials)))
         for factors, numbers in monomials:
             k += [float(len(factors)), *map(float, factors)]
             k += [numbers.get(channel, 0.0) for channel in CHANNELS]
-        k.append(float(at))
     return structure, k
 
 

@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from pmmkit.syntax.c.kinds import c_number
     from pmmkit.syntax.c.program import CProgram
     from pmmkit.syntax.comments import comment, plain
+    from pmmkit.syntax.llvm.program import LlvmProgram
     from pmmkit.syntax.matlab.names import is_matlab_name, matlab_name, matlab_value
     from pmmkit.syntax.matlab.transcribe import MatlabLine, transcribe
     from pmmkit.syntax.printing import python_lines
@@ -34,6 +35,7 @@ __all__ = [
     "Call",
     "Expression",
     "Function",
+    "LlvmProgram",
     "MatlabLine",
     "Member",
     "Name",

@@ -178,16 +178,15 @@ def test_c_gives_what_python_gives(tmp_path):
             assert run(*point) == pytest.approx(wanted, rel=1e-15), item.__name__
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda x: x.__name__)
-def test_numba_gives_what_python_gives(function):
-    from pmmkit.equations.compiled_effects import inner, use
+def test_machine_code_gives_what_python_gives(function):
+    numba = pytest.importorskip("numba")
+    from pmmkit.equations.machine_code import written
 
-    made = use(function)
-    run = inner(lambda a, b, c: made(a, b, c)[0])
-    import numba
-
-    called = numba.njit(lambda a, b, c: run(a, b, c), error_model="numpy")
+    module = ModuleType("functions")
+    module.function = function
+    made = written(lambda: ({}, module), f"{function.__name__}.")("function")
+    called = numba.njit(lambda a, b, c: made((a, b, c)))
     for point in POINTS:
         assert called(*point) == pytest.approx(float(function(*point)[0]), rel=1e-15)
 

@@ -1,4 +1,4 @@
-"""Functions of Python, in the words that it shares with numba, as the text of a C program.
+"""Functions of Python, in the words that it shares with C, as the text of a C program.
 
 `pmmkit.syntax.matlab.transcribe` writes an effect out as a list of assignments, for readers who
 know MATLAB. Here functions stay functions, with their loops and branches, so that the equations,
