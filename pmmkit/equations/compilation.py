@@ -21,7 +21,7 @@ from pmmkit.equations import lane_functions, stand_ins
 from pmmkit.equations.code_generation import ENGINE, entries_text, module_text
 from pmmkit.equations.structure import EquationStructure
 from pmmkit.files import atomic_path, cache_folder
-from pmmkit.syntax import Function, LlvmProgram, functions
+from pmmkit.syntax import Function, LlvmProgram, Unwritable, functions
 
 
 @cache
@@ -36,20 +36,15 @@ def compiled(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> M
 
     The text is written to `cache_folder` under its hash, with the machine code beside it. Where
     that folder cannot be written, or others could have written into it, the functions are compiled
-    in each session; what is damaged is compiled again. Where numba cannot be imported, Python
-    itself runs them, on arrays.
+    in each session; what is damaged is compiled again. Where numba cannot be imported, or an own
+    effect holds what cannot be written for it, Python itself runs them, on arrays.
     """
     try:
         import numba
 
         from pmmkit.equations import compiled_cache, machine_code
     except ImportError as error:
-        warnings.warn(
-            f"Equations are interpreted, which takes many times as long: {error}. Install numba.",
-            stacklevel=2,
-        )
-        return _plain(structure, files, vector=np.zeros)
-
+        return _on_arrays(structure, files, f"{error}. Install numba.")
     whole, name = _text_and_name(structure, files)
     if vars(numba.config)["DISABLE_JIT"]:
         # Numba runs everything as Python where it is told not to compile.
@@ -61,16 +56,37 @@ def compiled(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> M
     try:
         path = _folder() / f"{name}.py"
         if not path.is_file() or path.read_bytes() != text.encode():
+            if why := _unwritable(structure, files):
+                return _on_arrays(structure, files, why)
             with atomic_path(path) as part:
                 part.write_text(text, encoding="utf-8", newline="\n")
         place = str(path)
     except OSError:
+        if why := _unwritable(structure, files):
+            return _on_arrays(structure, files, why)
         entry = compiled_cache.not_kept
     module = sys.modules[name] = ModuleType(name)
     written = machine_code.written(partial(_source, structure, files), f"{name}.")
     module.__dict__.update(entry=entry, written=written)
     exec(compile(text, place, "exec"), module.__dict__)
     return module
+
+
+def _on_arrays(structure: EquationStructure, files: tuple[str, ...], why: str) -> ModuleType:
+    """The functions of a structure, run by Python itself on arrays, with a warning."""
+    warnings.warn(f"Equations are interpreted, which takes many times as long: {why}", stacklevel=4)
+    return _plain(structure, files, vector=np.zeros)
+
+
+def _unwritable(structure: EquationStructure, files: tuple[str, ...]) -> str:
+    """Why the rates cannot be compiled: an effect in Python may hold anything."""
+    try:
+        LlvmProgram(*_source(structure, files), "").take(
+            "rates", ["list", "double", "double", "double", "list", "list"]
+        )
+    except Unwritable as error:
+        return f"they hold {error}. CONTRIBUTING.md names the words of an effect."
+    return ""
 
 
 @cache

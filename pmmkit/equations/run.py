@@ -294,6 +294,8 @@ def run_plan(
             status, kept, n0 = functions.run(
                 k, orders, count, settings, steps, stride * room, events
             )
+        except ModelError:
+            raise
         except (OverflowError, ZeroDivisionError, ValueError):
             status, kept, n0 = Status.unbound, 0, math.nan
         if status != Status.no_room or room >= MOST:
