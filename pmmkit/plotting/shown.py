@@ -49,6 +49,7 @@ class Powers(ScalarFormatter):
     """Numbers as plain text, since formulas take long to draw, and their power of ten as one."""
 
     def get_offset(self) -> str:
+        """The power of ten, as a formula."""
         self.set_useMathText(True)
         power = super().get_offset()
         self.set_useMathText(False)

@@ -12,7 +12,7 @@ from pmmkit.equations import compilation, run
 def listed_keel(v, L, rho, size):
     """A keel that drags with the square of the sway velocity."""
     shares = [size * abs(v) * v, 0.0]
-    return (0.5 * rho * L * L * sum([share for share in shares]),)
+    return (0.5 * rho * L * L * sum([2.0 * share for share in shares]) / 2.0,)
 
 
 @pytest.fixture

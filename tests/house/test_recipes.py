@@ -28,7 +28,7 @@ TYPED = """
 import sys
 import pmmkit.views.figures.captions
 from pmmkit.cli import main
-pmmkit.views.figures.captions.svg = lambda figure: "<svg></svg>"
+pmmkit.views.figures.captions.svg = lambda figure, **_: "<svg></svg>"
 sys.exit(main(sys.argv[1:]))
 """
 """A command as it is typed, but for the pictures of its report, at which no recipe looks."""

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 
-def blank(_: Any) -> str:
+def blank(_: Any, **_how: Any) -> str:
     """Stands for a figure."""
     return "<svg></svg>"
 
