@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Literal
 
 Reader = Literal["python", "command"]
 """Who reads an error: somebody who calls from Python, or who types commands."""
@@ -145,10 +145,6 @@ def _cut(text: str, most: int) -> str:
     return text if len(text) <= most else f"{text[: max(most - 1, 0)]}…"
 
 
-_SHOWN: Final = 24
-"""Problems on a terminal: what goes on for longer scrolls its own head away."""
-
-
 class PmmkitError(Exception):
     """Base of every error that pmmkit raises on purpose."""
 
@@ -202,10 +198,7 @@ class DataError(PmmkitError, ValueError):
         if len(each) == 1:
             return f"{self.title}: {each[0]}" if self.title else each[0]
         head = f"{self.title or type(self).__name__} ({len(each)} problems):"
-        listed = [f"  {k}. {text}" for k, text in enumerate(each, start=1)]
-        if reader == "command" and len(listed) > _SHOWN:
-            listed[_SHOWN:] = [f"  and {len(listed) - _SHOWN} more."]
-        return "\n".join([head, *listed])
+        return "\n".join([head, *(f"  {k}. {text}" for k, text in enumerate(each, start=1))])
 
 
 class CampaignError(DataError):

@@ -338,9 +338,9 @@ def questions_of(text: str) -> tuple[Question, ...]:
 
     Examples
     --------
-    >>> for found in questions_of('[water]\\n# rho = ...   # TODO density [kg/m³]\\n'):
+    >>> for found in questions_of('[ship]\\nvolume = 2.0\\n# mass = ...   # TODO mass [kg]\\n'):
     ...     print(found)
-    line 2, water.rho: density [kg/m³]. Perhaps 999.1: fresh water of 15 °C.
+    line 3, ship.mass: mass [kg]. Taken as 1998: density times volume.
     """
     asked: dict[_Asked, list[int]] = {}
     table = ""

@@ -267,10 +267,15 @@ def _ship(draft: Draft, todo: Todo) -> list[str]:
 def _density(draft: Draft) -> str:
     """As listed; else a model's is taken for fresh water's, 0.1 % true from 10 to 20 °C, and a
     ship's for the sea's."""
+    from pmmkit.models import load_ship
+
     if "rho" in draft.particulars:
         rho, where = draft.particulars["rho"]
         return aligned(f"rho = {rho:g}", where)
-    ship = "L" in draft.particulars and draft.particulars["L"][0] > LONGEST_MODEL
+    length = draft.particulars.get("L", (0.0,))[0]
+    if draft.ship_name is not None:
+        length = load_ship(draft.ship_name).L
+    ship = length > LONGEST_MODEL
     rho, words = (SEA_WATER, "sea water") if ship else (FRESH_WATER, "fresh water")
     why = f"{words} of 15 °C; TODO density [kg/m³] if it was another"
     return aligned(f"rho = {rho:g}", why)
