@@ -11,7 +11,7 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.cli import main
-from pmmkit.equations import compilation
+from pmmkit.equations import compilation, run
 
 
 @pytest.fixture
@@ -33,7 +33,10 @@ def test_many_ships_turn_as_those_of_compiled_equations(without_numba):
     assert np.ptp(many.metrics["tactical_diameter_L"]) > 0
 
 
-def test_the_command_turns_a_ship(without_numba, tmp_path, capsys):
+def test_the_command_turns_a_ship(without_numba, monkeypatch, tmp_path, capsys):
+    # As in a session of its own, whatever other tests sailed before.
+    monkeypatch.setattr(run, "ENOUGH", 10**9)
+    monkeypatch.setattr(run, "FEW", 10**9)
     turn = ["--speed", "8", "--rudder-deg", "35", "--no-figures", "--out", str(tmp_path / "turn")]
     assert main(["simulate", "kvlcc2", *turn]) == 0
     assert "interpreted" not in capsys.readouterr().err  # one turn takes no longer
