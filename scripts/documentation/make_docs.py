@@ -96,6 +96,16 @@ check = "agreement"
 reason = "bilge keels were mounted for these runs only"
 ```
 
+## What a record tells by itself
+
+`late channels` tells a channel that is late or early by one to three whole samples from some time
+on, as where a logger lost or repeated a value. A change of size or of form, a phase that creeps,
+and parts of a sample are none. It takes three cycles of 16 samples or more; one sample is mostly
+hidden in white noise of 10 % of the amplitude at 300 samples a cycle, of 5 % at 1000, and in slower
+noise sooner ([evidence](evidence.md#is-a-channel-told-that-loses-a-value)). What is late throughout
+has the phase of damping and added mass: no record tells it alone, but `agreement` with other runs
+may.
+
 ## How runs are held against one another
 
 The check `agreement` fits a polynomial of third order (with moduli) to the harmonics of all runs of

@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from pmmkit.base import CampaignError, DataError, Problem, Registry, Workers, each, opened
 from pmmkit.campaigns import Campaign, Run
 from pmmkit.effects import CATALOGUE
-from pmmkit.intake.checks import gauges, particulars, record
+from pmmkit.intake.checks import gauges, late, particulars, record
 from pmmkit.intake.checks.finding import Check, CheckFinding, Summary, accepted, refuse
 from pmmkit.intake.checks.reading import KnownHistory, summarise
 
@@ -34,14 +34,14 @@ CHECKS: Final = Registry(
     listed="pmmkit.intake.checks:CHECKS",
     first=(
         *("inertia", "signs", "reference", "scales", "copies", "motion", "carriage", "stated"),
-        *("clock", "gauges", "agreement.examine", "record", "particulars", "frequency"),
+        *("clock", "gauges", "late", "agreement.examine", "record", "particulars", "frequency"),
         *("static", "rest", "positions", "free_running", "density", "whole_files"),
         "reach",
     ),
 )
 """All checks by name, each with a line on what it looks for, in the order of their findings; those
 of a new file come last."""
-RECORDS: Final[tuple[Check, ...]] = (*gauges.CHECKS, *record.SATURATION)
+RECORDS: Final[tuple[Check, ...]] = (*gauges.CHECKS, *late.CHECKS, *record.SATURATION)
 """Checks of single channels of single records; what they find at fault the others do not see."""
 
 

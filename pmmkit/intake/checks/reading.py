@@ -21,6 +21,7 @@ from pmmkit.intake.checks.density import density_facts
 from pmmkit.intake.checks.finding import EMPTY, Summary
 from pmmkit.intake.checks.free_running import record_facts
 from pmmkit.intake.checks.gauges import change_facts, hold_facts
+from pmmkit.intake.checks.late import late_facts
 from pmmkit.intake.checks.record import flat_facts, spike_facts
 from pmmkit.intake.checks.rest import rest_facts
 from pmmkit.intake.checks.signs import axis_facts
@@ -246,11 +247,14 @@ def _oscillating(
     found = dict(zip(names, map(_split, forces[:, part] @ project.T), strict=True))
     found |= _split_motion(state, project)
     found |= {f"nominal_{name}": parts for name, parts in _nominal(run).items()}
-    single, noise = _by_cycle(counted.basis.within(moving), forces[:, moving], counted.sums)
+    travelled = counted.basis.within(moving)
+    single, noise = _by_cycle(travelled, forces[:, moving], counted.sums)
     count = max(counted.cycles.count, 1)
     gauges = _gauge_facts(t[part], forces[:, part], theta, names)
-    more = {**shared, "facts": {**shared["facts"], **gauges}}
     hull = [(row, name) for row, name in enumerate(names) if name in _HULL]
+    balance = {name: forces[row, moving] for row, name in hull}
+    late = late_facts(t[moving], travelled, balance)
+    more = {**shared, "facts": {**shared["facts"], **gauges, **late}}
     return Summary(
         means={name: float(found[name][0][0]) for name in names},
         cos={name: cosines for name, (cosines, _) in found.items()},
