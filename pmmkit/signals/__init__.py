@@ -25,7 +25,7 @@ if TYPE_CHECKING:
         white_noise,
     )
     from pmmkit.signals.periodic import between_harmonics, fit_noise, phase_cells
-    from pmmkit.signals.shift import Shift, shifts_within
+    from pmmkit.signals.shift import shifts_within
     from pmmkit.signals.steady import Window, steady_window
     from pmmkit.signals.travel import Travel, at_size, at_speed, in_step
 
@@ -35,7 +35,6 @@ __all__ = [
     "Cycles",
     "FourierBasis",
     "Harmonics",
-    "Shift",
     "Travel",
     "Window",
     "at_size",
