@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pmmkit.base import CampaignError
 from pmmkit.campaigns.run import Run
-from pmmkit.numerics import Array, stretches, unwrapped
+from pmmkit.numerics import Array, last_digits, stretches, unwrapped
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -80,15 +80,26 @@ class Fixes:
     speed: float
     GAP: ClassVar[float] = 1.0
     """Time without a sample that is a gap of a usual record [s]."""
+    ROUNDS: ClassVar[float] = 2.0
+    """Steps of rounded positions over what their last digits are worth together, at most: one of
+    the step and one of the velocity about it."""
 
     @property
     def fresh(self) -> Flags:
         """False where a position repeats the sample before, digit for digit.
 
         A receiver that has nothing new to say repeats its last position; the next new one then
-        seems to jump.
+        seems to jump. Positions whose digits are as coarse as the way between samples, of a ship
+        that may lose half of her speed, repeat by themselves.
         """
-        return _changed(self.x, self.y)
+        way = self.speed * float(np.median(np.diff(self.t))) if len(self.t) > 1 else 0.0
+        return _changed(self.x, self.y) | (self.rounding > way / 2.0)
+
+    @property
+    def rounding(self) -> Array:
+        """What the last digits of each position are worth together [m]."""
+        both: Array = np.hypot(last_digits(self.x), last_digits(self.y))
+        return both
 
     @property
     def jump_limit(self) -> float:
@@ -103,14 +114,17 @@ class Fixes:
         Parameters
         ----------
         limit : float, optional
-            Smallest jump [m]; never below 12 times the usual scatter of a step.
+            Smallest jump [m]; never below 12 times the usual scatter of a step, nor what their
+            last digits are worth.
         """
         rows = np.stack([self.x, self.y])
-        return _jumps(self.t, rows, self.fresh, self.jump_limit if limit is None else limit)
+        least = np.maximum(self.jump_limit if limit is None else limit, self.ROUNDS * self.rounding)
+        return _jumps(self.t, rows, self.fresh, least)
 
     def heading_jumps(self, limit: float = HEADING_JUMP) -> tuple[Jump, ...]:
         """Jumps of the heading above a limit [rad], measured against the yaw rate about them."""
-        return _jumps(self.t, self.psi[None], _changed(self.psi, 0 * self.psi), limit)
+        least = np.full(len(self.t), limit)
+        return _jumps(self.t, self.psi[None], _changed(self.psi, 0 * self.psi), least)
 
     def smooth_heading(self, jumps: Sequence[Jump]) -> Array:
         """The heading with its jumps taken out; what went before a jump is left."""
@@ -388,7 +402,7 @@ def _changed(x: Array, y: Array) -> Flags:
     return fresh
 
 
-def _jumps(t: Array, rows: Array, fresh: Flags, limit: float) -> tuple[Jump, ...]:
+def _jumps(t: Array, rows: Array, fresh: Flags, least: Array) -> tuple[Jump, ...]:
     from scipy.ndimage import median_filter
 
     places = np.flatnonzero(fresh)
@@ -404,11 +418,11 @@ def _jumps(t: Array, rows: Array, fresh: Flags, limit: float) -> tuple[Jump, ...
     wide = single.copy()
     wide[:-1] = np.maximum(wide[:-1], pairs)
     wide[1:] = np.maximum(wide[1:], pairs)
-    limit = max(limit, CLEAR * float(np.median(single)))
+    limit = np.maximum(least[places[1:]], CLEAR * float(np.median(single)))
     found = []
     for first, last in _runs(wide > limit):
         inside = np.arange(first, last + 1)
-        large = inside[single[inside] > limit]
+        large = inside[single[inside] > limit[inside]]
         if not len(large):
             large = inside[[int(np.argmax(single[inside]))]]
         for at in large:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -42,6 +42,9 @@ class Ship:
     block_stated : float, optional
         Block coefficient as the source states it, for cross-checks.
     """
+
+    LONGEST_MODEL: ClassVar[float] = 20.0
+    """Length below which she is a model [m]."""
 
     name: str
     L: float

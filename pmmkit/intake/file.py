@@ -18,7 +18,7 @@ from pmmkit.intake.guessing import Suggestion, bare_header, suggest, wrong_unit
 from pmmkit.intake.seen import Clock, ColumnLook, FileLook, concerns, doubt_in, without_doubt
 from pmmkit.intake.stacked import runs_in
 from pmmkit.intake.under_way import rates_of, track_told
-from pmmkit.numerics import ABSURD, Array
+from pmmkit.numerics import ABSURD, Array, even_clock
 from pmmkit.readers import (
     READERS,
     Options,
@@ -38,9 +38,11 @@ def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = (
     headers = [without_doubt(column.header) for column in look.columns]
     units = [column.unit for column in look.columns]
     usual = READERS[look.format].usual(headers)
+    found = suggest(headers, units, values, usual=usual)
+    values = _told_evenly(values, [n for n, item in enumerate(found) if item and item.name == "t"])
     found = tuple(
         None if item and item.name == "t" and _no_clock(values.get(place)) else item
-        for place, item in enumerate(suggest(headers, units, values, usual=usual))
+        for place, item in enumerate(found)
     )
     kind = _kind(headers, found, values, look.columns)
     if kind in ("table", "open water"):
@@ -59,6 +61,12 @@ def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = (
         return look
     look = replace(look, clock=clock_of(values[time.position], seams))
     return look if seams else _with_rates(look, values, time.position)
+
+
+def _told_evenly(values: Mapping[int, Array], clocks: Sequence[int]) -> Mapping[int, Array]:
+    """The numbers with even clocks in place of stamps that have too few digits."""
+    even = {n: clock for n in clocks if n in values if (clock := even_clock(values[n])) is not None}
+    return {**values, **even}
 
 
 def _no_clock(numbers: Array | None) -> bool:
@@ -199,7 +207,10 @@ def values_of(look: FileLook, positions: Sequence[int] | None = None) -> Values:
         read = reader.columns(request, lambda _, width: [p for p in wanted if p < width])
     except CampaignError as error:
         return Values(numbers=_lenient(look, wanted), problems=_few(error.problems, request))
-    return Values(numbers=dict(zip(read.positions, read.values, strict=True)), notes=read.notes)
+    numbers = dict(zip(read.positions, read.values, strict=True))
+    time = look.known.get("t")
+    clocks = () if time is None or look.kind != "history" else (time.position,)
+    return Values(numbers=_told_evenly(numbers, clocks), notes=read.notes)
 
 
 def _of_runs(look: FileLook, positions: Sequence[int]) -> Values:

@@ -22,7 +22,7 @@ from pmmkit.conventions import (
     split_unit,
     unit_factor,
 )
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, even_clock
 from pmmkit.presentation import meanings
 
 Certainty = Literal["surely", "probably", "perhaps"]
@@ -268,7 +268,9 @@ def _by_shape(header: str, unit: str | None, numbers: Array, position: int) -> S
         return None
     if header.strip() and COUNTED.fullmatch(header.strip()):
         return None
-    steps = np.diff(numbers)
+    # settings of a list stand several times below each other, too, but they have names
+    clock = even_clock(numbers) if position == 0 and not header else None
+    steps = np.diff(numbers if clock is None else clock)
     middle = float(np.median(steps))
     if not (np.all(np.isfinite(numbers)) and middle > 0 and np.all(steps > 0)):
         return None

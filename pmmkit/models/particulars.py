@@ -79,8 +79,7 @@ GROWTH: Final = ("C1", "C2_positive", "C2_negative")
 UNTOLD: Final = "not stated: usual growth in drift"
 """Where the growth of a stated propeller's wake comes from: no ground to call her an estimate."""
 USUAL_LENGTH: Final = 200.0
-LONGEST_MODEL: Final = 20.0
-"""A hull below this length [m] is a model, by default of a ship of the usual length [m]."""
+"""Of a ship whose model is tested, where nobody states it [m]."""
 
 
 def propeller_diameter(ship: Ship) -> float:
@@ -118,7 +117,7 @@ def rudder_area(ship: Ship) -> float:
 
 def steering_rate(ship: Ship, full_length: float | None = None) -> float:
     """Rate of a steering gear that just satisfies SOLAS, 2.32 deg/s on the ship [deg/s]."""
-    usual = USUAL_LENGTH if ship.L < LONGEST_MODEL else ship.L
+    usual = USUAL_LENGTH if ship.L < Ship.LONGEST_MODEL else ship.L
     return 2.32 * math.sqrt((full_length or usual) / ship.L)
 
 

@@ -14,7 +14,6 @@ from pmmkit.effects import HULL
 from pmmkit.models.estimates import resistance_derivative
 from pmmkit.models.model import FN_TOLERANCE, SAILING, Model
 from pmmkit.models.part import Part
-from pmmkit.models.particulars import LONGEST_MODEL
 from pmmkit.presentation import listed
 
 EMPIRICAL: Final = "empirical"
@@ -237,7 +236,7 @@ def _resistance_of_a_model(model: Model, speed: float) -> str:
     hull = model.parts.get(HULL)
     ship = model.ship
     slow = ship.froude(speed, model.water.g) < WAVES
-    if hull is None or "Xuu" not in hull.values or not slow or ship.L < LONGEST_MODEL:
+    if hull is None or "Xuu" not in hull.values or not slow or ship.L < ship.LONGEST_MODEL:
         return ""
     if model.convention.surge == "delta-u" or model.convention.system not in PRIMES:
         return ""

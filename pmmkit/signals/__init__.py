@@ -11,7 +11,6 @@ if TYPE_CHECKING:
         FourierBasis,
         Harmonics,
         design_matrix,
-        fitted_order,
         harmonics,
         trapezoid_projector,
     )
@@ -44,7 +43,6 @@ __all__ = [
     "design_matrix",
     "estimate_frequency",
     "fit_noise",
-    "fitted_order",
     "harmonics",
     "head_rest",
     "in_step",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -143,6 +144,44 @@ def test_an_integral_of_r_that_falls_short():
     assert item.numbers["share"] == pytest.approx(1 / 1.012, abs=2e-4)
     assert "1.2 to 1.2 %" in item.message
     assert "1.0120" in item.remedy
+
+
+def test_a_zero_of_r_is_no_gain():
+    """Turns to both sides miss by the same in a second, one too much and one too little."""
+    zero = math.radians(0.05)
+    runs = []
+    for name, side in (("port", -1.0), ("starboard", 1.0)):
+        values = columns()
+        turned = {x: side * values[x] for x in ("y", "psi", "v", "delta")}
+        values |= {**turned, "r": side * values["r"] + zero}
+        runs.append(free(values, rudder=side * math.radians(20)).with_(id=name))
+    (item,) = said(examine(campaign_of(runs, kind="free-running")), "headings")
+    assert "is not the change of heading in 2 of 2 records" in item.message
+    assert item.numbers["zero_deg_s"] == pytest.approx(0.05, rel=0.02)
+    assert "Shift r by -0.05 deg/s" in item.remedy
+
+
+def digits(values: np.ndarray, count: int) -> np.ndarray:
+    """Numbers written with so many digits, as 1.23E+02 has three."""
+    return np.array([float(f"{x:.{count - 1}E}") for x in values])
+
+
+def test_positions_of_three_digits_neither_jump_nor_stand():
+    """MARIN's turns of the KVLCC2 have them: 10 m where she is more than 1000 m away."""
+    scale = 46.4  # of 4 m model: by Froude's law
+    values = columns()
+    for name, power in (("t", 0.5), ("x", 1.0), ("y", 1.0), ("u", 0.5), ("v", 0.5), ("r", -0.5)):
+        values[name] = values[name] * scale**power
+    values |= {name: digits(values[name], 3) for name in ("x", "y")}
+    ship = replace(SHIP, L=SHIP.L * scale)
+    run = free(values, speed=SPEED * math.sqrt(scale))
+    findings = examine(campaign_of([run], kind="free-running", ship=ship))
+    (item,) = said(findings, "positions")
+    assert "written to 10 m" in item.message
+    assert said(findings, "standing samples") == said(findings, "velocities", "jumps") == []
+    (segment,) = usable(run).segments
+    assert np.all(segment.data["fresh"].values[2000:])
+    assert len(segment.data["t"]) == len(values["t"])
 
 
 def test_a_wrapped_heading_is_no_jump_and_comes_unwrapped():

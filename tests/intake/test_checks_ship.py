@@ -175,3 +175,19 @@ def test_stated_amplitudes_give_the_length_that_made_them():
     (found,) = said(examine(campaign_of(runs(1.01 * SHIP.L))), "length")
     assert found.severity == "error"
     assert found.numbers["length"] == pytest.approx(1.01 * SHIP.L, rel=1e-4)
+
+
+def test_speeds_of_a_model_beside_the_length_of_the_ship():
+    """KVLCC2's model of 7 m was towed at 1.17 m/s; with the ship's 320 m that is Fn 0.021."""
+    runs = [run_of(f"d{n}", "static_drift", speed=1.17, drift=0.05 * n) for n in (1, 2, 3)]
+    ship, model = pk.load_model("kvlcc2"), pk.load_model("kvlcc2-l7")
+
+    def told(ship, runs=runs):
+        findings = examine(campaign_of(runs, ship=ship.ship, water=ship.water))
+        return [x.message for x in findings if "speeds of a model" in x.message]
+
+    (message,) = told(ship)
+    assert "Fn 0.021 of a ship of 320 m" in message
+    assert told(model) == []
+    # computed for the ship, in a harbour and on the way to it
+    assert told(ship, [*runs, run_of("fast", "static_drift", speed=3.0)]) == []

@@ -52,6 +52,13 @@ def test_a_guess_is_told_by_what_it_comes_from():
     assert (inertia.kind, mass.kind) == ("needed", "off")
 
 
+def test_a_ship_of_the_library_answers_all_questions_of_the_ship():
+    named = SHIP.replace("L = 4.0\nxG = 0.1\n", 'name = "kcs"\n').replace("volume = 0.45\n", "")
+    assert questions_of(named) == ()
+    unknown = {item.key for item in questions_of(named.replace("kcs", "no-such-ship"))}
+    assert unknown == {"ship.mass", "ship.Izz"}
+
+
 def test_mass_and_volume_are_one_question_that_either_answers(tmp_path):
     write_campaign(tmp_path)
     (tmp_path / "campaign.toml").unlink()

@@ -18,6 +18,7 @@ import pmmkit as pk
 from pmmkit.base import CampaignError
 from pmmkit.campaigns import open_campaign
 from pmmkit.cli import main
+from pmmkit.intake import examine
 from pmmkit.readers import READERS, Options, Request
 
 RECORDS = records(Setup(ship="s175", runs=3, seed=5))
@@ -96,6 +97,40 @@ def test_records_are_found_as_they_were_sailed(write, tmp_path, capsys):
         gone = np.hypot(np.diff(data["x"]), np.diff(data["y"])).sum()
         path = np.hypot(np.diff(record["x"]), np.diff(record["y"])).sum()
         assert gone == pytest.approx(path, rel=0.03)
+
+
+def three_digits(folder):
+    """A file a trial without any names, 1.23E+02 of time, place, degrees, velocities over the
+    ground, rate of turn, rudder and revolutions a minute, at 7.4 Hz: as MARIN published her own."""
+    for name, record in RECORDS.items():
+        t = np.arange(0.0, record["t"][-1], 0.13526)
+        at = {key: np.interp(t, record["t"], x) for key, x in record.items()}
+        speeds = np.gradient(at["x"], t), np.gradient(at["y"], t)
+        angles = [np.degrees(at[key]) for key in ("psi", "r", "delta")]
+        table = [t, at["x"], at["y"], angles[0], *speeds, *angles[1:], 60.0 * at["n"]]
+        told = f"A tank\nManoeuvre of a ship: {name}\n\n"
+        rows = ["\t".join(f"{x:.2E}" for x in row) for row in zip(*table, strict=True)]
+        (folder / f"{name}.dat").write_text(told + "\n".join(rows) + "\n")
+
+
+def test_numbers_of_three_digits_without_names_are_told_by_the_motion(tmp_path, capsys):
+    three_digits(tmp_path)
+    assert main(["new-campaign", str(tmp_path), "--ship", "s175", "--json"]) == 0
+    asked = json.loads(capsys.readouterr().out)["todo"]
+    campaign = open_campaign(tmp_path)
+    assert {run.id for run in campaign} == set(RECORDS)
+    assert not any("heading" in text or "which column is the time" in text for text in asked)
+    for run in campaign:
+        record, data = RECORDS[run.id], run.data
+        t = np.asarray(data["t"])
+        assert np.diff(t) == pytest.approx(0.13526, rel=2e-3)
+        assert t[-1] == pytest.approx(record["t"][-1], abs=1.0)
+        for name, near in (("x", 6.0), ("y", 6.0), ("psi", 0.02), ("delta", 0.02)):
+            exact = np.interp(t, record["t"], record[name])
+            assert np.max(np.abs(np.asarray(data[name]) - exact)) < near, name
+        assert "the even clock of 0.135" in data.attrs["conversions"]
+    jumps = [x for x in examine(campaign) if "jump" in x.message or "stand" in x.message]
+    assert jumps == []
 
 
 def test_a_run_that_is_not_there_is_told(tmp_path):

@@ -98,6 +98,20 @@ def test_of_two_issues_the_finer_is_taken(folder: Path) -> None:
     assert repeated == ("static_drift_2014.csv",)
 
 
+def test_a_list_that_has_its_runs_in_two_series_counts_them_once(folder: Path) -> None:
+    """One list of all series: straight drift stands among drift alone and with rudder."""
+    straight, turned = table(DRIFT), table(DRIFT, rudder=10.0, name="R")
+    alone = straight.assign(series="drift angle")
+    beside = pd.concat([straight, turned]).assign(series="drift and rudder")
+    pd.concat([alone, beside]).to_csv(folder / "captive.csv", index=False)
+    raw, repeated = drafted(folder)
+    (entry,) = raw["tables"]
+    assert repeated == ()
+    assert len(entry["skip"]) == len(DRIFT)
+    again = 2 + len(DRIFT)  # the names, then the rows that stand there first
+    assert entry["skip"] == [*range(again, again + len(DRIFT))]
+
+
 def test_rows_of_a_coarse_balance_are_no_copies(folder: Path) -> None:
     """Whole newtons meet by chance: two days of a small model are two days."""
     for day in ("first", "second"):

@@ -247,10 +247,10 @@ def _estimates(model: Model, file: Path) -> Iterator[Question]:
 def _measured(way: DraftProgress, campaign: Campaign, results: Path) -> DraftProgress:
     """The manoeuvres of free-running records; a library ship is compared with them, another one
     becomes a model by her card."""
-    from pmmkit.models import ships
+    from pmmkit.models import load_ship, ships
 
-    name = campaign.ship.name
-    then = f"pmmkit compare {name} {quoted(way.place)}" if name in ships() else "pmmkit card form"
+    known = [name for name in ships() if load_ship(name) == campaign.ship]
+    then = f"pmmkit compare {known[0]} {quoted(way.place)}" if known else "pmmkit card form"
     result = trial(TrialSettings(campaign=way.file, out=results))
     measured = f"{len(result.content['runs'])} manoeuvres"
     return replace(way, result=result, then=then).after("measure", measured)

@@ -37,7 +37,7 @@ from pmmkit.conventions import (
     channel_of,
     unit_factor,
 )
-from pmmkit.numerics import Array, dead_reckoned
+from pmmkit.numerics import Array, dead_reckoned, even_clock
 from pmmkit.presentation import listed, with_uncertainty
 from pmmkit.readers import Columns, Request, reader_for
 from pmmkit.signals import FEWEST, head_rest, steady_mean
@@ -423,6 +423,10 @@ class HistoryLoader:
         if rate is not None:
             values["t"] = _counted_time(read, rate, request)
             notes.append(f"t counted from 0 at {rate:g} samples a second")
+        elif (clock := even_clock(values["t"])) is not None:
+            step = float(clock[1] - clock[0])
+            values["t"] = clock
+            notes.append(f"stamps of t stand twice: the even clock of {step:.5g} s that they tell")
         return dataset(
             "history",
             values,

@@ -110,6 +110,7 @@ def _yaw(fixes: Fixes, column: Mapping[str, Array]) -> Mapping[str, float]:
     if abs(turned) > TURNED:
         facts["turned"] = turned
         facts["yaw_share"] = _yaw_share(t, column["r"], column.get("phi"), turned)
+        facts["yaw_time"] = float(t[-1] - t[0])
     return facts
 
 
@@ -296,6 +297,11 @@ def examine_stops(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
     )
 
 
+MUCH_LESS: Final = 0.25
+"""Share of the squares a gain leaves that a zero may leave to be named: turns to one side of about
+one length tell them not apart."""
+
+
 def examine_headings(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     """Headings that jump, and yaw rates whose integral is not the change of heading."""
     yield from _told(
@@ -320,18 +326,44 @@ def examine_headings(_campaign: Campaign, summaries: Sequence[Summary]) -> Itera
         degrees = math.degrees(worst.facts["turned"])
         missing = 100 * np.abs(1 - shares)
         low, high = float(missing.min()), float(missing.max())
+        zero = math.degrees(_zero_of_rate(off))
+        more = {len(shares): "more than", 0: "short of"}
+        which = more.get(int(np.count_nonzero(shares > 1)), "not")
+        remedy = (
+            f'Shift r by {-zero:.3g} deg/s (a correction with action = "shift"), or take it from '
+            "psi: to both sides it misses by the same in a second, as a gyroscope with a zero."
+            if zero
+            else f'Scale r by {1 / middle:.4f} (a correction with action = "scale"), or take it '
+            "from psi; a compass does not lose turns, a gyroscope may have a wrong gain."
+        )
         yield CheckFinding(
             check="headings",
             severity="warning",
-            message=f"The integral of r is {'short of' if middle < 1 else 'more than'} the change "
-            f"of heading in {len(off)} of {len(turned)} records that turn by more than 180°, by "
-            f"{low:.1f} to {high:.1f} %: {degrees * worst.facts['yaw_share']:.1f}° for "
-            f"{degrees:.1f}° in {worst.run.id}.",
+            message=f"The integral of r is {which} the change of heading in {len(off)} of "
+            f"{len(turned)} records that turn by more than 180°, by {low:.1f} to {high:.1f} %: "
+            f"{degrees * worst.facts['yaw_share']:.1f}° for {degrees:.1f}° in {worst.run.id}.",
             runs=tuple(item.run.id for item in off),
-            remedy=f'Scale r by {1 / middle:.4f} (a correction with action = "scale"), or take it '
-            "from psi; a compass does not lose turns, a gyroscope may have a wrong gain.",
-            numbers={"share": middle, "low": float(shares.min()), "high": float(shares.max())},
+            remedy=remedy,
+            numbers={
+                "share": middle,
+                "low": float(shares.min()),
+                "high": float(shares.max()),
+                "zero_deg_s": zero,
+            },
         )
+
+
+def _zero_of_rate(items: Sequence[Summary]) -> float:
+    """Zero of the yaw rate [rad/s] that explains what its integral misses better than a gain does;
+    0 where it does not."""
+    turned, share, time = (
+        np.array([item.facts[name] for item in items])
+        for name in ("turned", "yaw_share", "yaw_time")
+    )
+    missed = (share - 1.0) * turned
+    zero, gain = (float(missed @ part) / float(part @ part) for part in (time, turned))
+    left = [float(np.sum((missed - x * part) ** 2)) for x, part in ((zero, time), (gain, turned))]
+    return zero if len(items) > 1 and left[0] < MUCH_LESS * left[1] else 0.0
 
 
 def examine_sway(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:

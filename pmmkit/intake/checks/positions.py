@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns import Fixes
 from pmmkit.intake.checks.finding import Check, CheckFinding, figure, name_runs
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, last_digits
 
 if TYPE_CHECKING:
     from pmmkit.campaigns import Campaign
@@ -79,13 +80,15 @@ def position_jumps(t: Array, x: Array, y: Array) -> tuple[NDArrayBool, Array]:
     size = np.hypot(*miss)
     way = float(np.median(np.hypot(*rate))) * float(np.median(span))
     usual = max(OUTLYING * 1.4826 * float(np.median(size)), ROUNDED * float(np.quantile(size, 0.9)))
-    limit = max(usual, OF_THE_WAY * way, 1e-9)
+    worth = Fixes.ROUNDS * np.hypot(last_digits(x), last_digits(y))
+    limits = np.maximum(np.maximum(worth[1:], worth[:-1]), max(usual, OF_THE_WAY * way, 1e-9))
     judged = span <= 2.5 * np.median(span)
-    found = np.flatnonzero((size > limit) & judged)
+    found = np.flatnonzero((size > limits) & judged)
     steps: list[tuple[float, float, float]] = []
     place = 0
     while place < len(found):
         first, total = found[place], np.zeros(2)
+        limit = float(limits[first])
         for later in range(place, len(found)):
             if found[later] - first > LONGEST_SPIKE:
                 break
@@ -134,7 +137,7 @@ def position_facts(column: Mapping[str, Array], t: Array) -> Mapping[str, float]
         "steps": float(len(steps)),
         "step_size": float(np.hypot(steps[:, 1], steps[:, 2]).max()) if len(steps) else 0.0,
         "grid": digits(column),
-        "way": float(np.median(np.hypot(np.diff(x), np.diff(y)))),
+        "way": float(np.sum(np.hypot(*_chords(t, x, y)))) / (len(t) - 1),
     }
     if "sog" in column and not len(steps):
         path = float(np.sum(np.hypot(*_chords(t[kept], x[kept], y[kept]))))
@@ -152,7 +155,7 @@ def _chords(t: Array, x: Array, y: Array, count: int = 40) -> tuple[Array, Array
 
 
 def digits(column: Mapping[str, Array]) -> float:
-    """Spacing of the digits to which all positions are written; 0 if it is fine [m].
+    """Spacing of the digits to which positions are written, at most; 0 if they have many [m].
 
     Parameters
     ----------
@@ -171,7 +174,7 @@ def digits(column: Mapping[str, Array]) -> float:
     for grid in _GRIDS if metre > 1 else _GRIDS_M:
         if all(np.all(np.abs(part / grid - np.rint(part / grid)) < 1e-3) for part in values):
             return grid * metre
-    return 0.0
+    return metre * float(max(last_digits(part).max(initial=0.0) for part in values))
 
 
 def examine_positions(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:

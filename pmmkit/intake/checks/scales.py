@@ -224,6 +224,34 @@ def _resistance(
         )
 
 
+MODEL_SPEED: Final = 4.5
+"""What a carriage tows a merchant hull at, at most [m/s]: Fn 0.5 of a model of 8 m."""
+CREEPING: Final = 0.04
+"""Froude number below which no programme has all its speeds: in harbours they are 0.04 to 0.08; a
+model's speeds over her ship's length are a sixth of what they should be at 1:36."""
+USUAL: Final = 0.15
+"""Froude number of a tanker's or container ship's tests, between approach and service speed."""
+
+
+def _speeds_of_a_model(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """The length of the ship beside the speeds of her model."""
+    L, g = campaign.ship.L, campaign.water.g
+    speed = max((item.run.settings.speed for item in summaries), default=0.0)
+    froude = campaign.ship.froude(speed, g)
+    if not (L > campaign.ship.LONGEST_MODEL and 0 < speed < MODEL_SPEED and froude < CREEPING):
+        return
+    length = (speed / USUAL) ** 2 / g
+    yield CheckFinding(
+        check="units",
+        severity="warning",
+        message=f"The fastest run has {figure(speed)} m/s, Fn {froude:.3f} of a ship of "
+        f"{figure(L)} m: are these speeds of a model beside the length of the ship? At Fn "
+        f"{USUAL:g} it would be a model of {figure(length, 2)} m.",
+        remedy="Give the particulars of the model under [ship]: L, B, d, mass, Izz.",
+        numbers={"froude": froude, "speed": speed},
+    )
+
+
 def _speeds(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     fast = [
         item
@@ -243,6 +271,7 @@ def _speeds(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckF
             remedy="State the speed in m/s, or L in metres.",
             numbers={"froude": froude, "speed": speed},
         )
+    yield from _speeds_of_a_model(campaign, summaries)
     drifts = [
         abs(item.run.settings.drift)
         for item in summaries

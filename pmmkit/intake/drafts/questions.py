@@ -11,7 +11,7 @@ from functools import partial
 from typing import Final, Literal
 
 from pmmkit.base import CampaignError
-from pmmkit.conventions import factor_to, is_unit, split_unit
+from pmmkit.conventions import Ship, factor_to, is_unit, split_unit
 from pmmkit.files import toml_string
 from pmmkit.intake.drafts.columns import aligned
 from pmmkit.intake.seen import FileLook
@@ -69,8 +69,6 @@ _UNITS: Final[Mapping[str, str]] = {
     **dict.fromkeys(("L", "B", "d", "xG", "propeller.D"), "m"),
 }
 """Units of those that lists have in others, mm and t, too."""
-LONGEST_MODEL: Final = 20.0
-"""Length of a model at most [m]: a longer one is the ship."""
 _GYRADIUS: Final = (0.18, 0.32)
 """Radius of gyration over L: tells whether Izz is that of the model or of the ship."""
 _DEPTHS: Final = ("hmodel", "h model", "model depth", "water depth", "depth of water", "depth")
@@ -191,7 +189,7 @@ def _sizes(said: str) -> Iterator[tuple[str, float, str]]:
     """Length, breadth and draught of a model in a line such as "4.0 m x 0.7 m x 0.25 m"."""
     for found in () if _TANK.search(said) else _SIZES.finditer(said):
         L, B, d = (float(x.replace(",", ".")) for x in found.groups())
-        if B > 0.0 < d and L < LONGEST_MODEL and 3.0 < L / B < 15.0 and 1.5 < B / d < 8.0:
+        if B > 0.0 < d and L < Ship.LONGEST_MODEL and 3.0 < L / B < 15.0 and 1.5 < B / d < 8.0:
             yield from (("l", L, found[0]), ("b", B, found[0]), ("t", d, found[0]))
 
 
@@ -215,7 +213,7 @@ def _model(
     """The particulars at the scale of the model."""
     scale = listed.get("scale", (1.0, ""))[0]
     length = listed.get("L", (0.0, ""))[0]
-    ship = scale > 1.0 and length > LONGEST_MODEL
+    ship = scale > 1.0 and length > Ship.LONGEST_MODEL
     values: dict[str, float] = {}
     for key, power in _POWERS.items():
         if key in listed:
@@ -351,10 +349,13 @@ def questions_of(text: str) -> tuple[Question, ...]:
         if found is not None:
             asked.setdefault(_Asked.of(found, table), []).append(number)
     stated = _stated(text)
+    named = _names_library_ship(text)
     questions = [
         item.question(tuple(lines), stated)
         for item, lines in asked.items()
-        if not item.answered and not (item.key == "ship.name" and stated.get("ship"))
+        if not item.answered
+        and not (item.key == "ship.name" and stated.get("ship"))
+        and not (named and item.key.startswith("ship."))
     ]
     return tuple(sorted(questions, key=lambda item: list(_WORDS).index(item.kind)))
 
@@ -474,6 +475,17 @@ def _default(table: str, key: str) -> str:
     if value in (None, "", []):
         return ""
     return toml_string(value) if isinstance(value, str) else str(value)
+
+
+def _names_library_ship(text: str) -> bool:
+    """Whether nothing but the name of a ship of the library stands in ``[ship]``."""
+    from pmmkit.models import ships
+
+    try:
+        ship = tomllib.loads(text).get("ship")
+    except tomllib.TOMLDecodeError:
+        return False
+    return isinstance(ship, dict) and {*ship} == {"name"} and ship["name"] in ships()
 
 
 def _stated(text: str) -> Mapping[str, Mapping[str, float]]:

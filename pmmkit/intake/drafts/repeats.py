@@ -49,15 +49,13 @@ def without_repeats(looks: Sequence[FileLook]) -> Repeats:
     Rows are the same where forces and settings are, digit for digit. Two issues of a programme
     differ by rounding and in some columns: Y and N are asked, and the finer one is kept.
     """
-    if len(looks) < 2:
-        return Repeats(looks=tuple(looks), skip={}, told={})
     seen = [(look, found) for look in looks if (found := _rows(look)) is not None]
     told: dict[str, str] = {}
     keys = cache(_keys)
     skip: dict[str, RowsBefore] = {}
     for place, (look, rows) in enumerate(seen):
         before = [item for item in seen[:place] if item[0].shown not in told]
-        first = _first_places(rows, before, keys)
+        first = _again(look, rows, keys) | _first_places(rows, before, keys)
         if first and len(first) == len(rows.lines):
             told[look.shown] = f"{look.shown}: its rows are those of {_listed(first.values())}"
         elif len(first) >= _FEWEST and not look.blocks.mixed:
@@ -163,6 +161,17 @@ def _rows(look: FileLook) -> _Rows | None:
 def _is_force(name: str) -> bool:
     part = harmonic_part(name)
     return channel_of(name if part is None else part[0]) in ("X", "Y", "N")
+
+
+def _again(look: FileLook, rows: _Rows, keys: Callable[..., _Keys]) -> dict[int, FileLook]:
+    """Lines of rows that repeat a row above them: a list has a run in two of its series."""
+    found: dict[int, FileLook] = {}
+    above: set[tuple[float, ...]] = set()
+    for line, key in zip(rows.lines, keys(rows, tuple(sorted(rows.numbers))), strict=True):
+        if key is not None:
+            found |= {line: look} if key in above else {}
+            above.add(key)
+    return found
 
 
 def _first_places(

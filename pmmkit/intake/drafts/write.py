@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
 from pmmkit.campaigns import Campaign
+from pmmkit.conventions import Ship
 from pmmkit.intake.drafts.columns import (
     GAUGES,
     Todo,
@@ -30,7 +31,7 @@ from pmmkit.intake.drafts.entries import (
     saved_run_lines,
 )
 from pmmkit.intake.drafts.matrix import scatter_lines
-from pmmkit.intake.drafts.questions import FRESH_WATER, LONGEST_MODEL, SEA_WATER, Found, estimate_of
+from pmmkit.intake.drafts.questions import FRESH_WATER, SEA_WATER, Found, estimate_of
 from pmmkit.intake.seen import FileLook
 from pmmkit.presentation import printable
 from pmmkit.readers import READERS
@@ -275,7 +276,7 @@ def _density(draft: Draft) -> str:
     length = draft.particulars.get("L", (0.0,))[0]
     if draft.ship_name is not None:
         length = load_ship(draft.ship_name).L
-    ship = length > LONGEST_MODEL
+    ship = length > Ship.LONGEST_MODEL
     rho, words = (SEA_WATER, "sea water") if ship else (FRESH_WATER, "fresh water")
     why = f"{words} of 15 °C; TODO density [kg/m³] if it was another"
     return aligned(f"rho = {rho:g}", why)

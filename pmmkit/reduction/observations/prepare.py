@@ -21,7 +21,6 @@ from pmmkit.signals import (
     Window,
     design_matrix,
     estimate_frequency,
-    fitted_order,
     harmonics,
     steady_mean,
     time_weights,
@@ -319,7 +318,7 @@ def _from_cycles(
     fitted = None if integrated or found is None else found.coefficients
     values = record[:, cut] @ projection.T if fitted is None else fitted
     scatter = None if found is None else found.scatter
-    smoothed = None if found is None else fitted_order(record[:, cut], found)
+    smoothed = None if found is None else found.fitted_order(record[:, cut])
     if smoothed is not None:
         values = np.where(np.arange(values.shape[1]) <= 2 * smoothed, values, np.nan)
     return PreparedRun(
