@@ -80,13 +80,15 @@ def _on_arrays(structure: EquationStructure, files: tuple[str, ...], why: str) -
 
 def _unwritable(structure: EquationStructure, files: tuple[str, ...]) -> str:
     """Why the rates cannot be compiled: an effect in Python may hold anything."""
+    from pmmkit.equations.machine_code import absent
+
+    program = LlvmProgram(*_source(structure, files), "")
     try:
-        LlvmProgram(*_source(structure, files), "").take(
-            "rates", ["list", "double", "double", "double", "list", "list"]
-        )
+        program.take("rates", ["list", "double", "double", "double", "list", "list"])
     except Unwritable as error:
         return f"they hold {error}. CONTRIBUTING.md names the words of an effect."
-    return ""
+    missing = ", ".join(absent(program.outer))
+    return f"this system has no function {missing}." if missing else ""
 
 
 @cache

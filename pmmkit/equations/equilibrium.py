@@ -162,8 +162,8 @@ def settle(
     Fills `found` and gives 0; gives 1 if there is none near.
     """
     m = len(FREE)
-    size, unit = vector(m), vector(m)
-    a, b, above, below = vector(m * m), vector(m), vector(NS), vector(NS)
+    size, unit, b = vector(len(FREE)), vector(len(FREE)), vector(len(FREE))
+    a, above, below = vector(len(FREE) * len(FREE)), vector(NS), vector(NS)
     pace = speed / k[Constant.L]
     for i in range(m):
         at = FREE[i]

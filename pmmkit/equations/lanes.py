@@ -35,7 +35,6 @@ from pmmkit.equations.stand_ins import (
     exponential,
     part,
     rates_of_lanes,
-    vector,
 )
 
 
@@ -195,6 +194,17 @@ def bends_of_lanes(s: list[float], bends: list[float]) -> None:
         )
 
 
+def memory_size(lanes: int, wide: int, states: int, width: int, count: int, asked: int) -> int:
+    """How many numbers `run_many` keeps beside the steps; `wide` of them before the constants.
+
+    Its caller makes room for them: a stack that is taken by more than a page at a time has to be
+    felt for its end on Windows.
+    """
+    of_a_lane = 2 * width + 5 * states + len(EventField) * (count + 1)
+    of_a_lane += len(Control) * len(GearField) + len(CourseField) + 1
+    return wide + lanes * of_a_lane + len(Control) + 4 * states + (1 + states) * asked
+
+
 def run_many(
     ships: list[float],
     first: int,
@@ -207,14 +217,16 @@ def run_many(
     asked: int,
     room: int,
     steps: list[float],
+    memory: list[float],
     results: list[float],
     outcomes: list[float],
 ) -> None:
-    """Ships from `first` on: their probes, their status and revolutions of the approach."""
+    """Ships from `first` on: their probes, their status and revolutions of the approach.
+
+    memory: `memory_size` zeros.
+    """
     marks, geared = len(EventField) * (count + 1), len(Control) * len(GearField)
     lists, bent, asks = WIDE + width * LANES, 5 * NS * LANES, (1 + NS) * asked
-    rest = LANES * (width + marks + geared + len(CourseField) + 1)
-    memory = vector(lists + bent + rest + len(Control) + 4 * NS + asks)
     s, at = part(memory, 0, lists), lists
     bends, at = part(memory, at, bent), at + bent
     own, at = part(memory, at, LANES * width), at + LANES * width

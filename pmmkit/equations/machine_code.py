@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from types import ModuleType
 from typing import Any, Final
@@ -11,6 +11,7 @@ import llvmlite.binding
 import llvmlite.ir
 from numba import types
 from numba.core import cgutils
+from numba.core.registry import cpu_target
 from numba.extending import intrinsic
 
 from pmmkit.base import ModelError
@@ -66,6 +67,13 @@ def _written(source: Source, prefix: str, name: str) -> Any:
         return one(given), made
 
     return call
+
+
+def absent(names: Iterable[str]) -> list[str]:
+    """Functions that are nowhere in this process: LLVM would end it when it looks for them."""
+    # numba puts those that it knows where LLVM finds them.
+    _ = cpu_target.target_context
+    return [name for name in names if not llvmlite.binding.address_of_symbol(name)]
 
 
 def _kind(item: Any) -> str:

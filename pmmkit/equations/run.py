@@ -396,6 +396,7 @@ def run_ships(
     """
     from pmmkit.equations.code_generation import SAILING
     from pmmkit.equations.compilation import compiled
+    from pmmkit.equations.lanes import memory_size
 
     functions = compiled(structure, SAILING)
     width = len(k)
@@ -410,6 +411,8 @@ def run_ships(
     flat = ships.reshape(-1)
     orders, questions, given = plan.orders_array, plan.questions_array, np.array(settings)
     room = BATCH_ROOM * functions.STRIDE
+    lanes, counted = functions.LANES, (len(states), width, len(plan.phases), asked)
+    kept = memory_size(lanes, functions.WIDE, *counted)
 
     def work(first: int) -> int:
         last: int = min(first + CHUNK, number)
@@ -426,7 +429,8 @@ def run_ships(
                 questions,
                 asked,
                 room,
-                np.empty(functions.LANES * room),
+                np.empty(lanes * room),
+                np.zeros(kept),
                 filled,
                 outcomes,
             )

@@ -362,10 +362,9 @@ class LlvmWriter:
         self._count += 1
         room = f"%room{self._count}"
         if size.known is None:
-            self.lines.append(f"{room} = alloca double, i64 {size.text}, align 64")
-        else:
-            self.room.append(f"{room} = alloca [{size.known} x double], align 64")
-        length = self.operation("*", size, constant(8)).text
+            raise Unwritable("a list whose length is not known beforehand")
+        self.room.append(f"{room} = alloca [{size.known} x double], align 64")
+        length = 8 * size.known
         self._program.declared("declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)")
         self.lines.append(
             f"call void @llvm.memset.p0.i64(ptr align 64 {room}, i8 0, i64 {length}, i1 false)"

@@ -84,6 +84,12 @@ class LlvmProgram:
         """The module."""
         return "\n".join([*sorted(self._declared), *self._parts, *self._loops])
 
+    @property
+    def outer(self) -> list[str]:
+        """Functions of the C library that it calls by their names."""
+        names = (line.partition("@")[2].partition("(")[0] for line in self._declared)
+        return sorted(name for name in names if not name.startswith("llvm."))
+
     def long_loop(self) -> str:
         """Mark of a loop over many places, which LLVM may make vectors of.
 
