@@ -11,11 +11,12 @@ import time
 import uuid
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.base import FileExists
+from pmmkit.base import DataError, FileExists
 from pmmkit.files.json_text import readable
 from pmmkit.presentation import safe_cell
 
@@ -51,7 +52,8 @@ def atomic_path(path: str | Path, *, sealed: bool = False) -> Iterator[Path]:
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_name(f".{uuid.uuid4().hex[:12]}.part{target.suffix}")
     try:
-        yield part
+        with _named(part, target):
+            yield part
         if sealed:
             digest = sha256(part).encode()
             with part.open("ab") as stream:
@@ -93,7 +95,8 @@ def atomic_folder(path: str | Path) -> Iterator[Path]:
     part = target.with_name(f".{target.name}-{uuid.uuid4().hex[:12]}.part")
     part.mkdir()
     try:
-        yield part
+        with _named(part, target):
+            yield part
         if target.is_dir():
             for file in sorted(part.iterdir()):
                 os.replace(file, target / file.name)
@@ -101,6 +104,24 @@ def atomic_folder(path: str | Path) -> Iterator[Path]:
             os.replace(part, target)
     finally:
         shutil.rmtree(part, ignore_errors=True)
+
+
+@contextmanager
+def _named(part: Path, target: Path) -> Iterator[None]:
+    """Errors name what is being written by the name that it was to have."""
+    try:
+        yield
+    except OSError as error:
+        if isinstance(error.filename, str | os.PathLike):
+            error.filename = os.fspath(error.filename).replace(str(part), str(target))
+        raise
+    except DataError as error:
+        error.problems = tuple(
+            replace(item, file=item.file and item.file.replace(str(part), str(target)))
+            for item in error.problems
+        )
+        error.args = (error.said("python"),)
+        raise
 
 
 _PART: Final = re.compile(r"\.(?:.+-)?[0-9a-f]{12}\.part(?:\.\w+)?")

@@ -13,7 +13,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from pmmkit.base import FileExists
+from pmmkit.base import DataError, FileExists
 from pmmkit.files import (
     atomic_folder,
     atomic_path,
@@ -129,6 +129,17 @@ def test_a_folder_that_fails_is_not_there(tmp_path: Path) -> None:
         (part / "a.csv").write_text("a")
         raise KeyboardInterrupt
     assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize("atomic", [atomic_folder, atomic_path])
+def test_an_error_names_what_was_to_be_written_and_no_hidden_place(atomic, tmp_path: Path) -> None:
+    target = tmp_path / "results"
+    with pytest.raises(OSError, match="No space") as plain, atomic(target) as part:
+        raise OSError(28, "No space left on device", str(part / "a.csv"))
+    assert plain.value.filename == str(target / "a.csv")
+    with pytest.raises(DataError) as told, atomic(target) as part:
+        raise DataError("cannot be written.", file=str(part / "a.csv"))
+    assert str(told.value) == f"{target / 'a.csv'}: cannot be written."
 
 
 def test_results_join_a_folder_and_leave_its_other_files(tmp_path: Path) -> None:
