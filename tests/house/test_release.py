@@ -51,6 +51,12 @@ def test_the_workflow_tries_each_python_on_each_system():
         assert (place / "__main__.py").is_file() or place.with_suffix(".py").is_file()
 
 
+def test_git_turns_no_line_ends():
+    """On Windows it would, and tests there compare files byte for byte."""
+    text = (ROOT / ".gitattributes").read_text(encoding="utf-8")
+    assert "* -text" in text.splitlines()
+
+
 def test_a_wheel_that_lacks_a_file_or_has_one_too_many_is_told(tmp_path):
     wheel = tmp_path / "pmmkit.whl"
     with zipfile.ZipFile(wheel, "w") as opened:
