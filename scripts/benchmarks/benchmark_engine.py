@@ -1,11 +1,12 @@
-"""Speed of the simulation, measured side by side: a C program, shipmmg, batches, cold and warm.
+"""Speed of the simulation, measured side by side: C, other people's solvers, batches, cold, warm.
 
     python -m scripts.benchmarks.benchmark_engine [--rounds 9] [--long]
 
-One KVLCC2 turn and its right-hand side against shipmmg 0.0.11 and against a C program compiled
-with -O3 -march=native -ffast-math; ten thousand ships; the time to the first turn of a session.
-The rounds alternate, so that a busy machine hits all alike. shipmmg is in the dependency group
-``bench``; without it, or without gcc, that part is left out and said so.
+One KVLCC2 turn against shipmmg 0.0.11, heyoka and numbalsoda, and its right-hand side against a C
+program compiled with -O3 -march=native -ffast-math; ten thousand ships, beside heyoka and
+numbalsoda too; the time to the first turn of a session. The rounds alternate, so that a busy
+machine hits all alike. The others are in the dependency group ``bench``; without them, or without
+gcc, that part is left out and said so.
 """
 
 from __future__ import annotations
@@ -21,18 +22,21 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.equations import Prepared, prepare
+from pmmkit.equations import Gear, Prepared, prepare, run_plan
 from pmmkit.equations.layouts import Constant
 from pmmkit.equations.structure import FACTOR_PLACES
+from pmmkit.simulation import MANOEUVRES
+from scripts.benchmarks.other_solvers import Turn, Ways, installed
 
 SHIP, SPEED, RTOL = "kvlcc2-l7", 1.179, 1e-6
 SOURCE = Path(__file__).with_name("benchmark_turn.c")
-SIZE = 200_000
+SIZE, SHIPS = 200_000, 10_000
 _PARAMETERS = {
     "propeller": {
         "D": "D",
@@ -200,14 +204,16 @@ def shipmmg_turn(model: pk.Model, duration: float, n: float) -> Callable[[], obj
     return run
 
 
-def medians(ways: dict[str, Callable[[], object]], rounds: int) -> dict[str, float]:
+def medians(
+    ways: dict[str, Callable[[], object]], rounds: int, calls: int = 50
+) -> dict[str, float]:
     """Median seconds of each way; the rounds alternate."""
     taken: dict[str, list[float]] = {name: [] for name in ways}
     for work in ways.values():
         work()
     for _ in range(rounds):
         for name, work in ways.items():
-            inner = 1 if "shipmmg" in name else 50
+            inner = 1 if "shipmmg" in name else calls
             start = time.perf_counter()
             for _ in range(inner):
                 work()
@@ -230,16 +236,50 @@ def single(rounds: int) -> None:
             model, "turning", rudder_deg=35, speed=SPEED, rtol=RTOL, compiled=False
         ),
     }
+    ready, plan = prepare(model, SPEED), MANOEUVRES["turning"].plan(SPEED / model.ship.L)
+    gear = Gear(rudder_rate=math.radians(model.values("rudder_mmg")["rate_deg_s"]))
+    ways["pmmkit, the integration alone, 1e-6"] = lambda: run_plan(
+        ready, plan, gear, rtol=RTOL, fast=True
+    )
     theirs = shipmmg_turn(model, duration, n)
     if theirs is None:
         print("shipmmg is not installed (pip install --group bench): left out")
     else:
         ways["shipmmg 0.0.11, rtol 1e-6"] = theirs
+    turn = Turn(model, SPEED, n, duration, RTOL)
+    hull, others = turn.hull[None, :], installed(turn)
+    exact = pk.simulate(model, "turning", rudder_deg=35, speed=SPEED, rtol=1e-12)
+    place = np.array([exact.x[-1], exact.y[-1]])
+    for name, solve in others.items():
+        ways[f"{name}, 1e-6"] = partial(solve, hull)
     found = medians(ways, rounds)
     base = found["pk.simulate, rtol 1e-6"]
     print(f"\nOne turn of the KVLCC2 (L = 7 m), {duration:.0f} s, median of {rounds}")
     for name, seconds in found.items():
-        print(f"  {name:36} {1e3 * seconds:9.3f} ms   {seconds / base:7.1f} x")
+        print(f"  {name:36} {1e3 * seconds:9.3f} ms   {seconds / base:7.2f} x")
+    ends = {"pk.simulate": np.array([track.x[-1], track.y[-1]])}
+    ends |= {name: solve(hull)[0, :2] for name, solve in others.items()}
+    print("  Where the turn ends, from that of pk.simulate at 1e-12, in ship lengths:")
+    for name, end in ends.items():
+        print(f"  {name:36} {float(np.hypot(*(end - place))) / model.ship.L:9.1e}")
+    fleets(turn, others, rounds)
+
+
+def fleets(turn: Turn, others: Ways, rounds: int) -> None:
+    """The same turn by many ships, whose derivatives are drawn."""
+    many = turn.hull * np.random.default_rng(0).normal(1.0, 0.05, (SHIPS, turn.hull.size))
+    settings = {"rudder_deg": 35, "speed": SPEED, "rtol": RTOL, "spread": 0.05, "n": SHIPS}
+    fleet: dict[str, Callable[[], object]] = {
+        "pk.monte_carlo, all metrics": lambda: pk.monte_carlo(
+            turn.model, "turning", executor=1, **settings
+        ),
+        **{name: partial(solve, many) for name, solve in others.items()},
+    }
+    found = medians(fleet, min(rounds, 5), calls=1)
+    print(f"\n{SHIPS:,} of them, 5 % on the derivatives, one thread, 1e-6")
+    for name, seconds in found.items():
+        ratio = seconds / found["pk.monte_carlo, all metrics"]
+        print(f"  {name:36} {seconds:9.3f} s    {ratio:7.2f} x")
 
 
 def right_hand_sides(rounds: int) -> None:
