@@ -6,7 +6,6 @@ import inspect
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, redirect_stderr
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -147,7 +146,7 @@ def _parameter(item: JobSetting) -> inspect.Parameter:
     more: dict[str, Any] = {"help": told.text, "min": told.least, "max": told.most}
     more |= {"metavar": told.metavar, "rich_help_panel": item.heading or None}
     if told.read is not None:
-        more["parser"] = partial(_read, told.read)
+        more["parser"] = _reader(told.read)
     made = typer.Argument(**more) if told.argument else typer.Option(*item.options, **more)
     kind = list[item.bare] if item.several else item.type  # type: ignore[name-defined]
     if item.several and not item.required:
@@ -163,12 +162,16 @@ def _keyword(name: str, annotation: Any, default: Any) -> inspect.Parameter:
     return inspect.Parameter(name, kind, default=default, annotation=annotation)
 
 
-def _read(read: Callable[[str], Any], text: str) -> Any:
-    """A value out of its text; what cannot be read is told with the option."""
-    try:
-        return read(text)
-    except SettingError as error:
-        raise typer.BadParameter(str(error)) from error
+def _reader(read: Callable[[str], Any]) -> Callable[[str], Any]:
+    """What reads a value out of its text; what cannot be read is told with the option."""
+
+    def value(text: str) -> Any:
+        try:
+            return read(text)
+        except SettingError as error:
+            raise typer.BadParameter(str(error)) from error
+
+    return value
 
 
 @contextmanager
