@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pmmkit.campaigns import Attitude
 from pmmkit.intake.checks.positions import position_facts
-from pmmkit.numerics import Array, unwrapped
+from pmmkit.numerics import Array, last_digits, unwrapped
 from pmmkit.signals import white_noise
 
 if TYPE_CHECKING:
@@ -122,10 +122,13 @@ def rate_facts(t: Array, angle: Array, rate: Array) -> Mapping[str, float]:
     power = float(np.mean(truth**2))
     if power == 0:
         return {}
-    slope = _slope(truth, found)
-    long_truth, long_found = _rates(t, angle, rate, *_stretches(t, LONG))
+    # an angle is written in degrees, or as it stands here
+    last = np.maximum(last_digits(angle), np.radians(last_digits(np.degrees(angle))))
+    slope = _slope(truth, found, _rounding(t, last, start, stop))
+    start_long, stop_long = _stretches(t, LONG)
+    long_truth, long_found = _rates(t, angle, rate, start_long, stop_long)
     if float(np.mean(long_truth**2)) > 0.3 * power:
-        slope = _slope(long_truth, long_found)
+        slope = _slope(long_truth, long_found, _rounding(t, last, start_long, stop_long))
     scaled = found / slope if abs(slope) > 1e-6 else found
     lag, _ = _lag(t, angle[None], scaled[None], start, stop)
     return {"slope": slope, "left": _usual(found - truth) / math.sqrt(power), "lag": lag}
@@ -137,12 +140,24 @@ def _rates(
     return (angle[stop] - angle[start]) / (t[stop] - t[start]), _averages(t, rate, start, stop)
 
 
-def _slope(truth: Array, found: Array) -> float:
-    """Least squares through the origin; what misses by 6 times the usual is left out."""
-    slope = float(truth @ found) / float(truth @ truth)
+def _rounding(t: Array, last: Array, start: NDArrayInt, stop: NDArrayInt) -> Array:
+    """Variance that the last digits of an angle give its mean rate over each stretch."""
+    both: Array = (last[start] ** 2 + last[stop] ** 2) / 12.0
+    return both / (t[stop] - t[start]) ** 2
+
+
+def _slope(truth: Array, found: Array, variance: Array) -> float:
+    """Least squares through the origin, with the variance of the true rates taken off their
+    squares, half of them at most; what misses by 6 times the usual is left out."""
+
+    def fitted(use: NDArray[np.bool_]) -> float:
+        squares = float(truth[use] @ truth[use])
+        own = max(squares - float(np.sum(variance[use])), squares / 2.0, 1e-300)
+        return float(truth[use] @ found[use]) / own
+
+    slope = fitted(np.ones(len(truth), bool))
     miss = np.abs(found - slope * truth)
-    kept = miss <= JUMPS * np.median(miss) + 1e-12
-    return float(truth[kept] @ found[kept]) / max(float(truth[kept] @ truth[kept]), 1e-300)
+    return fitted(miss <= JUMPS * np.median(miss) + 1e-12)
 
 
 def free_facts(data: xr.Dataset, t: Array) -> Mapping[str, float]:
