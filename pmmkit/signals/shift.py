@@ -260,11 +260,12 @@ def _judged(record: _Record, values: Array, samples: int, start: int) -> Shift |
     single = look.slope * (blocks == np.arange(1, blocks[-1])[:, None])
     creep = look.slope * np.linspace(-0.5, 0.5, cells.size)
     wander, creep = (_without(look.beside(np.atleast_2d(x)), step) for x in (single, creep))
-    gamma = look.noise(record, np.vstack([step, form, wander]))
-    (more,), ((variance,),) = _sizes(step, look.rest, gamma)
+    # Of a short record the columns of other changes take much of the noise with them.
+    (more,), ((variance,),) = _sizes(step, look.rest, look.noise(record, step))
     if (samples + more) ** 2 < CERTAIN * variance or SIGMAS * np.sqrt(variance) > 0.5:
         return None
     effect = float(np.sqrt(2 * np.mean(look.slope**2))) * abs(samples)
+    gamma = look.noise(record, np.vstack([step, form, wander]))
     sizes = ((step, 1.0), (creep, 1.0), (wander, 1.0), (form, effect))
     if any(_is_there(columns, look.rest, gamma, SHARE * size) for columns, size in sizes):
         return None
