@@ -25,8 +25,8 @@ A_CYCLE: Final = 16
 """Samples of a cycle, at least."""
 CERTAIN: Final = 36.0
 """Squared size of a shift over its variance from which it is certain. By the study
-`scripts.studies.late_channels` one of 1600 sound records reaches it and has nothing else against
-it, of 14,400 that change otherwise 46, most of them with a phase that swings by itself."""
+`scripts.studies.late_channels` none of 1600 sound records reaches it and has nothing else against
+it, of 14,400 that change otherwise 38, most of them with a phase that swings by itself."""
 SUSPECT: Final = 16.0
 """And from which the exact wave is tried, as its tangent tells large shifts badly."""
 QUICK: Final = 9.0
