@@ -209,6 +209,8 @@ def _by_name(
         found = pattern.fullmatch(folded) or pattern.search(folded)
         if not found or not _fits(name, unit, table=table):
             continue
+        if _of_a_part(name, header):
+            continue
         whole = found[0] == folded
         if len(found[0]) == 1 and not whole:
             continue
@@ -241,6 +243,13 @@ def _in_other_words(header: str, unit: str | None, *, table: bool) -> Suggestion
     return None
 
 
+def _of_a_part(name: str, header: str) -> bool:
+    """Whether a force or a moment is that of something else: about a rudder's stock there is no
+    yaw, and a fan is no propeller."""
+    others = _PARTS if name in _OF_HULL else _FAN if name in ("T", "Q") else None
+    return others is not None and bool(others.search(header.replace("_", " ").lower()))
+
+
 def _known(name: str, *, table: bool) -> bool:
     """Whether it is a name of ours that a file of that kind is read by without being mapped."""
     if table:
@@ -256,7 +265,7 @@ def _by_unit(header: str, unit: str | None, known: set[str]) -> Suggestion | Non
         return None
     named = {("N", "x"): "X", ("N", "y"): "Y", ("N m", "z"): "N", ("N m", "x"): "K"}
     name = named.get((dimension, axis[1].lower()))
-    if name is None or name in known:
+    if name is None or name in known or _of_a_part(name, header):
         return None
     return Suggestion(
         name=name, certainty="perhaps", reason=f"a unit of {dimension}, and {axis[1]} in the name"
@@ -378,9 +387,9 @@ _NAMES: Final = tuple(
         "ydot": "y ?dot|dy0? ?dt|y velocity",
         "u": "u(?: velo(?:city)?)?|surge (?:velo(?:city)?|speed)",
         "v": "vm?(?: velo(?:city)?)?|sway (?:velo(?:city)?|speed)",
-        "r": "r(?: angvelo| angular velocity)?|yaw ?rate|yaw (?:velo(?:city)?|speed)|"
+        "r": "gyro ?z|r(?: angvelo| angular velocity)?|yaw ?rate|yaw (?:velo(?:city)?|speed)|"
         "rot|rate of turn|omega ?z",
-        "p": "roll ?rate|roll (?:velo(?:city)?|speed)|omega ?x",
+        "p": "gyro ?x|roll ?rate|roll (?:velo(?:city)?|speed)|omega ?x",
         "X": "f ?x|force ?x|x ?force|surge force|longitudinal force|axial force|total x|drag|x",
         "Y": "f ?y|force ?y|y ?force|(?:sway|side|lateral|transver(?:se|sal)) force|total y|y",
         "N": "m ?z|moment ?z|z ?moment|yaw ?moment|yawing moment|turning moment|n moment|n",
@@ -411,6 +420,13 @@ _NAMES: Final = tuple(
     }.items()
 )
 
+_OF_HULL: Final = ("X", "Y", "N", "K")
+_PARTS: Final = re.compile(
+    r"\b(?:rudder|ruder|rud|prop(?:eller)?|fan|fin|pod|skeg|stock|hinge|thruster)s?\b"
+)
+"""What has forces and moments of its own."""
+_FAN: Final = re.compile(r"\bfans?\b")
+"""What blows a model ahead, for the friction that a ship has not."""
 _SEEN: Final = "measured|actual|mean"
 _BEFORE: Final = tuple(
     (name, _pattern(words))

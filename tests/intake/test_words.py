@@ -10,6 +10,7 @@ from pmmkit.cli import main
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.intake import look
 from pmmkit.intake.drafts.names import facts_of
+from pmmkit.intake.guessing import suggest
 from pmmkit.presentation import meanings
 from pmmkit.presentation.vocabulary import vocabulary
 from pmmkit.readers.text.decoding import likely_encoding
@@ -119,3 +120,21 @@ def test_the_message_never_recommends_what_was_just_tried(tmp_path, capsys):
     said = capsys.readouterr().err
     assert 'encoding = "cp932"' in said
     assert 'encoding = "utf-8"' not in said
+
+
+def test_the_moment_about_a_rudder_is_no_yaw_moment():
+    """Headers of SINTEF Ocean's turns of the SOBC-1."""
+    headers = {
+        "XPOS": "m", "YPOS": "m", "ROLL": "deg", "YAW": "deg", "TOTAL_SPEED": "m/s",
+        "SURGE_SPEED": "m/s", "SWAY_SPEED": "m/s", "GYRO_X": "deg/s", "GYRO_Z": "deg/s",
+        "PROPELLER_REV": "Hz", "PROPELLER_TORQUE": "N m", "RUDDER_ANGLE": "deg",
+        "FX_RUDDER": "N", "FY_RUDDER": "N", "MZ_RUDDER": "N m", "FAN_THRUST": "N",
+    }  # fmt: skip
+    found = suggest(list(headers), list(headers.values()), {})
+    assert [item.name if item else None for item in found] == [
+        "x", "y", "phi", "psi", "speed", "u", "v", "p", "r", "n", "Q", "delta", "FX_rudder",
+        "FY_rudder", None, None,
+    ]  # fmt: skip
+    # with a balance beside it
+    both = suggest(["MZ_RUDDER", "MZ"], ["N m", "N m"], {})
+    assert [item.name if item else None for item in both] == [None, "N"]

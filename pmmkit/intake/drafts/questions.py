@@ -304,7 +304,8 @@ class Question:
         shown = ", ".join(map(str, self.lines[:_SHOWN]))
         where = f"line{'s' if len(self.lines) > 1 else ''} {shown}{more}"
         told = f" {_WORDS[self.kind]} {self.guess}: {self.why}." if self.guess else ""
-        return f"{where}, {self.key}: {self.text}.{told}"
+        stop = "" if self.text.endswith("?") else "."
+        return f"{where}, {self.key}: {self.text}{stop}{told}"
 
 
 _SHOWN: Final = 3
