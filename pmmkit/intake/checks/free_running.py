@@ -348,7 +348,7 @@ def examine_headings(_campaign: Campaign, summaries: Sequence[Summary]) -> Itera
                 "share": middle,
                 "low": float(shares.min()),
                 "high": float(shares.max()),
-                "zero_deg_s": zero,
+                **({"zero_deg_s": zero} if zero else {}),
             },
         )
 
