@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
@@ -95,10 +96,21 @@ class Fixes:
         way = self.speed * float(np.median(np.diff(self.t))) if len(self.t) > 1 else 0.0
         return _changed(self.x, self.y) | (self.rounding > way / 2.0)
 
-    @property
+    @cached_property
     def rounding(self) -> Array:
-        """What the last digits of each position are worth together [m]."""
-        both: Array = np.hypot(last_digits(self.x), last_digits(self.y))
+        """`rounded` of its positions."""
+        return self.rounded(self.x, self.y)
+
+    @staticmethod
+    def rounded(x: Array, y: Array) -> Array:
+        """What the last digits of each position are worth together [m].
+
+        Examples
+        --------
+        >>> Fixes.rounded(np.array([0.3, 12.5]), np.array([0.4, 7.1])).round(3)
+        array([0.141, 0.141])
+        """
+        both: Array = np.hypot(last_digits(x), last_digits(y))
         return both
 
     @property

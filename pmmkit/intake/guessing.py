@@ -207,9 +207,7 @@ def _by_name(
     unit = unit or own
     for name, pattern in (*(RUN_SETTINGS.derived(_table_names) if table else ()), *_NAMES):
         found = pattern.fullmatch(folded) or pattern.search(folded)
-        if not found or not _fits(name, unit, table=table):
-            continue
-        if _of_a_part(name, header):
+        if not found or not _fits(name, unit, table=table) or _of_a_part(name, header):
             continue
         whole = found[0] == folded
         if len(found[0]) == 1 and not whole:

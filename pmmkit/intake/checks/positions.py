@@ -80,7 +80,7 @@ def position_jumps(t: Array, x: Array, y: Array) -> tuple[NDArrayBool, Array]:
     size = np.hypot(*miss)
     way = float(np.median(np.hypot(*rate))) * float(np.median(span))
     usual = max(OUTLYING * 1.4826 * float(np.median(size)), ROUNDED * float(np.quantile(size, 0.9)))
-    worth = Fixes.ROUNDS * np.hypot(last_digits(x), last_digits(y))
+    worth = Fixes.ROUNDS * Fixes.rounded(x, y)
     limits = np.maximum(np.maximum(worth[1:], worth[:-1]), max(usual, OF_THE_WAY * way, 1e-9))
     judged = span <= 2.5 * np.median(span)
     found = np.flatnonzero((size > limits) & judged)

@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 from pmmkit.base import CampaignError
 from pmmkit.conventions import Ship, factor_to, is_unit, split_unit
@@ -349,8 +349,9 @@ def questions_of(text: str) -> tuple[Question, ...]:
         found = _LINE.match(line)
         if found is not None:
             asked.setdefault(_Asked.of(found, table), []).append(number)
-    stated = _stated(text)
-    named = _names_library_ship(text)
+    raw = _read(text)
+    stated = _stated(raw)
+    named = _names_library_ship(raw)
     questions = [
         item.question(tuple(lines), stated)
         for item, lines in asked.items()
@@ -478,23 +479,24 @@ def _default(table: str, key: str) -> str:
     return toml_string(value) if isinstance(value, str) else str(value)
 
 
-def _names_library_ship(text: str) -> bool:
+def _read(text: str) -> Mapping[str, Any]:
+    """The tables of a file; none where it is none."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        return {}
+
+
+def _names_library_ship(raw: Mapping[str, Any]) -> bool:
     """Whether nothing but the name of a ship of the library stands in ``[ship]``."""
     from pmmkit.models import ships
 
-    try:
-        ship = tomllib.loads(text).get("ship")
-    except tomllib.TOMLDecodeError:
-        return False
+    ship = raw.get("ship")
     return isinstance(ship, dict) and {*ship} == {"name"} and ship["name"] in ships()
 
 
-def _stated(text: str) -> Mapping[str, Mapping[str, float]]:
+def _stated(raw: Mapping[str, Any]) -> Mapping[str, Mapping[str, float]]:
     """The numbers that stand in ship and water."""
-    try:
-        raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError:
-        return {}
     return {
         name: {key: float(value) for key, value in table.items() if type(value) in (int, float)}
         for name, table in raw.items()
