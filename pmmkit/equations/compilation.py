@@ -98,6 +98,12 @@ def is_compiled(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -
     return any((cache_folder() / f"v{__version__}").glob(f"{name}.run-*.nbi"))
 
 
+def is_loaded(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> bool:
+    """Whether this session has compiled a manoeuvre of a structure, or fetched it from the disk."""
+    module = sys.modules.get(_text_and_name(structure, files)[1])
+    return bool(module and getattr(module.run, "signatures", ()))
+
+
 @cache
 def _source(
     structure: EquationStructure, files: tuple[str, ...]
@@ -110,6 +116,7 @@ def _source(
     return functions(module_text(structure, files)), _plain(structure, files, **of_lanes)
 
 
+@cache
 def _text_and_name(structure: EquationStructure, files: tuple[str, ...]) -> tuple[str, str]:
     text = module_text(structure, files)
     return text, f"pmmkit_equations_{_fingerprint(structure, text)}"

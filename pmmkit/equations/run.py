@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Final, Literal
 import numpy as np
 
 from pmmkit.base import ModelError, SimulationError
-from pmmkit.equations.compilation import is_compiled
+from pmmkit.equations.compilation import is_compiled, is_loaded
 from pmmkit.equations.histories import forces_by_effect
 from pmmkit.equations.layouts import (
     Constant,
@@ -34,8 +34,6 @@ FASTEST: Final = 10.0
 """A ship beyond so many times its approach speed has left what the model describes."""
 ROOM: Final = 400
 """Steps for which there is room at first."""
-MANY: Final = 10_000
-"""Steps beyond which a manoeuvre that began interpreted is compiled."""
 MOST: Final = 400 * 4**4
 """Steps of a manoeuvre: hundreds are usual, ten thousand with a tolerance of 1e-11. A ship that
 trembles, as some that are drawn from wide spreads do, would take millions."""
@@ -80,7 +78,16 @@ FEW: Final = 2_000
 """The same where the machine code lies on the disk: 22 turns; to fetch it takes the time of 40,
 which a reduction with its ten would not get back."""
 _INTERPRETED: Final[Counter[EquationStructure]] = Counter()
-"""Steps of each structure so far: it decides on time alone, never on a number."""
+"""Steps of each structure so far, those of ships that failed among them: it decides on time alone,
+never on a number."""
+
+
+def _pays(structure: EquationStructure, steps: int) -> bool:
+    """Whether compiled functions take less time than so many interpreted steps: those that the
+    session has loaded always do."""
+    if is_loaded(structure) or steps >= ENOUGH:
+        return True
+    return steps >= FEW and is_compiled(structure)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -276,8 +283,7 @@ def run_plan(
     """
     asked = fast
     if fast is None:
-        taken = _INTERPRETED[ready.structure]
-        fast = taken >= ENOUGH or (taken >= FEW and is_compiled(ready.structure))
+        fast = _pays(ready.structure, _INTERPRETED[ready.structure])
     functions = ready.functions(fast=fast)
     settings: Any = settings_for(ready.L, ready.speed, gear, rtol, revolutions)
     orders: Any = plan.orders_array if fast else plan.orders
@@ -298,13 +304,14 @@ def run_plan(
             raise
         except (OverflowError, ZeroDivisionError, ValueError):
             status, kept, n0 = Status.unbound, 0, math.nan
+        if not fast:
+            _INTERPRETED[ready.structure] += kept
         if status != Status.no_room or room >= MOST:
             break
         room *= 4
-        if asked is None and not fast and room > MANY:
+        to_come = _INTERPRETED[ready.structure] + room
+        if asked is None and not fast and _pays(ready.structure, to_come):
             return run_plan(ready, plan, gear, rtol=rtol, fast=True, revolutions=revolutions)
-    if not fast:
-        _INTERPRETED[ready.structure] += kept
     if status != Status.done:
         last = steps[stride * (kept - 1) + StepField.begin] if kept else 0.0
         raise problem(status, ready, float(last))

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pmmkit import catalogue
-from pmmkit.base import MissingPartError, ModelError
+from pmmkit.base import MissingPartError, ModelError, SimulationError
 from pmmkit.effects import CATALOGUE
 from pmmkit.equations import Gear, prepare, run, run_plan
 from pmmkit.equations import prepare as prepare_kernel
@@ -117,6 +117,7 @@ def test_interpreted_and_compiled_agree(name, manoeuvre):
 
 def test_a_structure_is_compiled_once_it_was_sailed_enough(monkeypatch):
     monkeypatch.setattr(run, "ENOUGH", 100)
+    monkeypatch.setattr(run, "is_loaded", lambda _: False)
     monkeypatch.setattr(run, "_INTERPRETED", Counter())
     ready = prepare(TANKER, SPEED)
     plan = MANOEUVRES["turning"].plan(SPEED / 7)
@@ -132,10 +133,39 @@ def test_a_structure_is_compiled_once_it_was_sailed_enough(monkeypatch):
 def test_machine_code_on_the_disk_is_taken_after_a_few_turns(there, monkeypatch):
     monkeypatch.setattr(run, "FEW", 100)
     monkeypatch.setattr(run, "is_compiled", lambda _: there)
+    monkeypatch.setattr(run, "is_loaded", lambda _: False)
     monkeypatch.setattr(run, "_INTERPRETED", Counter())
     ready, plan = prepare(TANKER, SPEED), MANOEUVRES["turning"].plan(SPEED / 7)
     each = [run_plan(ready, plan, Gear(rudder_rate=0.2), rtol=1e-6) for _ in range(4)]
     assert [history.fast for history in each][::3] == [False, there]
+
+
+def test_what_a_session_has_compiled_it_uses():
+    plan, own = MANOEUVRES["turning"].plan(SPEED / 7), prepare(TANKER, SPEED)
+    script = (
+        "from pmmkit.equations import compilation\n"
+        "from pmmkit.simulation import simulate\n"
+        "from pmmkit.equations import prepare\n"
+        "from pmmkit.models import load_model\n"
+        f"own = prepare(load_model('kvlcc2-l7'), {SPEED}).structure\n"
+        "before = compilation.is_loaded(own)\n"
+        f"simulate('kvlcc2-l7', 'turning', speed={SPEED}, compiled=True)\n"
+        "assert (before, compilation.is_loaded(own)) == (False, True)"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)
+    run_plan(own, plan, Gear(rudder_rate=0.2), rtol=1e-6, fast=True)
+    assert run_plan(own, plan, Gear(rudder_rate=0.2), rtol=1e-6).fast
+
+
+def test_steps_of_ships_that_fail_count(monkeypatch):
+    """Each of some that tremble takes thousands of steps before it is given up."""
+    monkeypatch.setattr(run, "_INTERPRETED", Counter())
+    monkeypatch.setattr(run, "is_loaded", lambda _: False)
+    monkeypatch.setattr(run, "MOST", run.ROOM)
+    ready, plan = prepare(TANKER, SPEED), MANOEUVRES["turning"].plan(SPEED / 7)
+    with pytest.raises(SimulationError, match="steps"):
+        run_plan(ready, plan, Gear(rudder_rate=0.2), rtol=1e-13)
+    assert run._INTERPRETED[ready.structure] >= run.ROOM
 
 
 def test_what_was_compiled_is_found_on_the_disk(monkeypatch, tmp_path):
