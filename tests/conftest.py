@@ -8,7 +8,6 @@ import json
 import os
 from collections.abc import Iterator
 from contextlib import redirect_stdout
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -46,18 +45,6 @@ def pytest_collection_finish() -> None:
 
 def _file(item: pytest.Item) -> str:
     return item.nodeid.split("::")[0]
-
-
-@pytest.fixture(scope="session", autouse=True)
-def symbols_set_once() -> Iterator[None]:
-    """Mathematical symbols are set once a session: matplotlib remembers the last fifty."""
-    from matplotlib.mathtext import MathTextParser
-
-    few = getattr(MathTextParser, "_parse_cached", None)  # of matplotlib's own, as it is today
-    with pytest.MonkeyPatch.context() as patch:
-        if few is not None:
-            patch.setattr(MathTextParser, "_parse_cached", lru_cache(4096)(few.__wrapped__))
-        yield
 
 
 @pytest.fixture

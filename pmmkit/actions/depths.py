@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -42,7 +41,6 @@ def over_depths(
     from pmmkit.base import CampaignError, PmmkitError, Problem
     from pmmkit.files import write_results
     from pmmkit.models import TablesByDepth
-    from pmmkit.plotting import save
     from pmmkit.reduction import Felt, Growth
     from pmmkit.views import growth_over_depth
 
@@ -91,7 +89,7 @@ def over_depths(
         results.append((SQUAT, _stacked(sunk)))
     if grown:
         figure = growth_over_depth(grown, convention=tables.tables[0].convention)
-        results += [(f"{GROWTH}.csv", _frame(grown)), (f"{GROWTH}.svg", partial(save, figure))]
+        results += [(f"{GROWTH}.csv", _frame(grown)), (f"{GROWTH}.svg", figure.save)]
         lines += ["", *_growth_lines(grown)]
     files = write_results(out, results) if results else []
     return Outcome(
@@ -188,7 +186,6 @@ def swept_over_depth(
     """Metrics of a manoeuvre over the depth of the water, beside those by the formulas."""
     from pmmkit.base import PmmkitError
     from pmmkit.models import TablesByDepth, model_at_depth
-    from pmmkit.plotting import save
     from pmmkit.simulation import metrics_over, sweep
 
     models = _models(folder)
@@ -216,7 +213,7 @@ def swept_over_depth(
             row[name] if isinstance(row, dict) else math.nan for row in beside.values()
         ]
     figure = metrics_over(found, metrics[:4])
-    results = [("sweep.csv", table), ("sweep.svg", partial(save, figure))]
+    results = [("sweep.csv", table), ("sweep.svg", figure.save)]
     rows: list[dict[str, Any]] = [
         {str(name): value for name, value in row.items()} for row in table.to_dict("records")
     ]

@@ -6,7 +6,6 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -15,11 +14,10 @@ from pmmkit.base import DataError
 from pmmkit.presentation import quoted
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from pmmkit.campaigns import Campaign
     from pmmkit.intake import CheckFinding
     from pmmkit.models import Model
+    from pmmkit.plotting import Figure
 
 
 DONE: Final = 0
@@ -204,6 +202,5 @@ def figure_files(
     figures: Mapping[str, Figure], ending: str = "svg"
 ) -> list[tuple[str, Callable[[Path], Path]]]:
     """Figures by name as results to be written (see `files.write_results`)."""
-    from pmmkit.plotting import save
 
-    return [(f"{name}.{ending}", partial(save, own, final=True)) for name, own in figures.items()]
+    return [(f"{name}.{ending}", own.save) for name, own in figures.items()]

@@ -31,7 +31,8 @@ from pmmkit.readers import READERS
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 MOST: Final = 6
 """Froude numbers that are listed one by one."""

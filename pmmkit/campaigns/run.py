@@ -24,8 +24,8 @@ from pmmkit.readers import Request, reader_for, recognise
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
+    from pmmkit.plotting import Figure
     from pmmkit.signals import FourierBasis
 
 

@@ -37,7 +37,8 @@ from pmmkit.simulation import Sensitivities, Spread, monte_carlo, sensitivities
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 STEPS: Final = 20
 """Gauss-Newton steps; cards of ten ships took two to seven."""

@@ -6,18 +6,14 @@ import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from pmmkit.base import DataError
 from pmmkit.effects import CATALOGUE
-from pmmkit.plotting import LIMIT, WIDTH, canvas, colour, hatch, legend_below, styled
+from pmmkit.plotting import LIMIT, WIDTH, Axes, Figure, colour, hatch
 from pmmkit.presentation import figure_text
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 TICK: Final = 10
 """Letters in a line under a bar; one word may be longer."""
@@ -66,29 +62,28 @@ def fall(steps: Sequence[str], panels: Sequence[Panel]) -> Figure:
     rows = math.ceil(len(panels) / max(most, 1))
     columns = math.ceil(len(panels) / rows)
     lines = max(text.count("\n") for text in _ticks(steps))
-    with styled():
-        figure = canvas(rows * (2.8 + LINE * lines) if alone else 4.2)
-        grid = figure.subplots(
-            rows,
-            columns,
-            sharey=not all(panel.scale for panel in panels),
-            width_ratios=None if alone else [len(panel.bars) for panel in panels],
-            squeeze=False,
-        )
-        axes = grid.ravel()[: len(panels)]
-        for left in grid.ravel()[len(panels) :]:
-            left.remove()
-        for axis, panel in zip(axes, panels, strict=True):
-            if len(panel.bars) == 1:
-                _waterfall(axis, steps, panel.bars[0])
-            else:
-                _beside(axis, steps, panel.bars)
-            axis.grid(visible=False, axis="x")
-            axis.set_title(panel.title)
-            if panel.scale:
-                axis.set_ylabel(panel.scale)
-        if not alone or any(math.isfinite(panel.bars[0].level) for panel in panels):
-            legend_below(figure, axes.tolist())
+    figure = Figure(height=rows * (2.8 + LINE * lines) if alone else 4.2)
+    grid = figure.subplots(
+        rows,
+        columns,
+        sharey=not all(panel.scale for panel in panels),
+        width_ratios=None if alone else [len(panel.bars) for panel in panels],
+        squeeze=False,
+    )
+    axes = grid.ravel()[: len(panels)]
+    for left in grid.ravel()[len(panels) :]:
+        left.remove()
+    for axis, panel in zip(axes, panels, strict=True):
+        if len(panel.bars) == 1:
+            _waterfall(axis, steps, panel.bars[0])
+        else:
+            _beside(axis, steps, panel.bars)
+        axis.without_grid("x")
+        axis.set_title(panel.title)
+        if panel.scale:
+            axis.set_ylabel(panel.scale)
+    if not alone or any(math.isfinite(panel.bars[0].level) for panel in panels):
+        figure.legend_below(axes.tolist())
     return figure
 
 
@@ -105,11 +100,11 @@ def _waterfall(axis: Axes, steps: Sequence[str], own: Bars) -> None:
     )
     for number, value in enumerate(own.errors):
         crossed = known and 0.0 <= own.level - value < NEAR * highest
-        axis.annotate(
+        axis.text(
+            number,
+            own.level if crossed else value,
             f"{value:.3g}",
-            (number, own.level if crossed else value),
-            (0.0, 1.0),
-            textcoords="offset points",
+            xytext=(0.0, 1.0),
             ha="center",
             va="bottom",
             fontsize="small",
@@ -134,7 +129,6 @@ def _beside(axis: Axes, steps: Sequence[str], bars: Sequence[Bars]) -> None:
             color=colour(number),
             hatch=hatch(number),
             edgecolor="white",
-            lw=0.0,
             label=f"+ {words}" if number else words,
         )
     levels = np.array([own.level for own in bars])

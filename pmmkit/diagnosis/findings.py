@@ -18,7 +18,8 @@ from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, 
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 UNITS: Final[Mapping[str, str]] = CHANNEL_UNITS | {
     "heading": "deg",

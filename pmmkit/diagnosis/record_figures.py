@@ -5,18 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.base import DataError
-from pmmkit.plotting import INK, REFERENCE, canvas, colour, dash, legend_below, styled
+from pmmkit.plotting import INK, REFERENCE, Axes, Figure, colour, dash
 from pmmkit.presentation import WIDE, figure_text
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 DEGREES: Final = 180.0 / math.pi
@@ -47,25 +43,24 @@ def before_and_after(records: Sequence[Sailed]) -> Figure:
         raise DataError("There is no record to draw.")
     track = all("x" in item.measured and "y" in item.measured for item in records)
     turning = all("r" in item.measured for item in records)
-    with styled():
-        figure = canvas(2.6 * (2 + track + turning))
-        axes = figure.subplots(2 + track + turning, len(records), squeeze=False)
-        for column, item in enumerate(records):
-            own = list(axes[:, column])
-            own[0].set_title(figure_text(item.name))
-            if track:
-                _track(own.pop(0), item)
-            _over_time(own[0], item, "psi")
-            _off(own[1], item)
-            if turning:
-                _over_time(own[2], item, "r")
-            axes[-1, column].set_xlabel("time [s]")
-            if column == 0:
-                words = ["heading [deg]", "heading, simulated\nless measured [deg]"]
-                words += ["yaw rate [deg/s]"] if turning else []
-                for axis, word in zip(own, words, strict=True):
-                    axis.set_ylabel(word)
-        legend_below(figure, [axes[0, 0]])
+    figure = Figure(height=2.6 * (2 + track + turning))
+    axes = figure.subplots(2 + track + turning, len(records), squeeze=False)
+    for column, item in enumerate(records):
+        own = list(axes[:, column])
+        own[0].set_title(figure_text(item.name))
+        if track:
+            _track(own.pop(0), item)
+        _over_time(own[0], item, "psi")
+        _off(own[1], item)
+        if turning:
+            _over_time(own[2], item, "r")
+        axes[-1, column].set_xlabel("time [s]")
+        if column == 0:
+            words = ["heading [deg]", "heading, simulated\nless measured [deg]"]
+            words += ["yaw rate [deg/s]"] if turning else []
+            for axis, word in zip(own, words, strict=True):
+                axis.set_ylabel(word)
+    figure.legend_below([axes[0, 0]])
     return figure
 
 
@@ -77,8 +72,8 @@ def _track(axis: Axes, item: Sailed) -> None:
     for number, (label, shown) in enumerate(item.simulated.items()):
         axis.plot(_cut(shown["x"], at), _cut(shown["y"], at), label=label, **_look(number))
     axis.plot(x[item.begins], y[item.begins], ls="", marker="|", color=INK, label="a window begins")
-    axis.set_aspect("equal", adjustable="datalim")
-    axis.yaxis.set_inverted(True)
+    axis.set_aspect_equal()
+    axis.invert_yaxis()
     axis.set_xlabel("x, ahead [m]")
     axis.set_ylabel("y, to starboard [m]")
 
@@ -110,7 +105,6 @@ def _band(axis: Axes, item: Sailed, number: int, middle: Array, std: Array) -> N
         _cut(middle + half, at),
         color=colour(2 - number),
         alpha=0.18,
-        lw=0.0,
     )
 
 

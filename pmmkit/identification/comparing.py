@@ -24,7 +24,8 @@ from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, 
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

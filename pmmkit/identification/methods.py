@@ -25,7 +25,8 @@ from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, 
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 FAR: Final = 4.0
 """Standard deviations from the prior from which a value is pointed at."""

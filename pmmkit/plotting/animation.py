@@ -17,11 +17,14 @@ from pmmkit.base import DataError, Progress
 from pmmkit.files import atomic_path
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
+from pmmkit.plotting.axes import Axes
+from pmmkit.plotting.figure import Figure
+from pmmkit.plotting.marks import INK
 from pmmkit.plotting.turns import WATERLINE, open_mark, oriented, path_axes
 from pmmkit.presentation import figure_text, number
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from matplotlib.axes import Axes as Ground
     from PIL.Image import Image
 
     from pmmkit.plotting.bands import TrackLike
@@ -36,6 +39,10 @@ _SMALL: Final = 0.02
 next to nothing it jumps along the ship."""
 _BLADE: Final = 0.09
 """Chord of the rudder [L]: longer than a ship's (0.02 to 0.03), to be seen."""
+_ABOUT: Final = 0.8
+"""What is shown of the water about the path [L]: more than half a ship."""
+_UP: Final = 7.4
+"""From the axes to the foot of their title [pt], as of titles that stand still."""
 
 Panel = tuple[list[Any], Callable[[int], None]]
 """What moves in it, and what moves it to a frame."""
@@ -91,7 +98,9 @@ def animate(
             if progress is not None:
                 progress(place, frames, f"frames of {target.name}")
 
-    with style.styled(), atomic_path(target) as part:
+    from pmmkit.plotting.raster import plain
+
+    with plain(), atomic_path(target) as part:
         write(told(), part, fps)
     return target
 
@@ -144,6 +153,8 @@ def _pictures(track: TrackLike, frames: int, called: Callable[[str], str]) -> It
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL.Image import frombuffer
 
+    from pmmkit.plotting.raster import drawn, moving_axes
+
     t = np.linspace(track.t[0], track.t[-1], frames)
     at = {
         name: np.interp(t, track.t, getattr(track, name))
@@ -153,20 +164,29 @@ def _pictures(track: TrackLike, frames: int, called: Callable[[str], str]) -> It
         called(name): np.array([np.interp(t, track.t, x) for x in own])
         for name, own in track.forces.items()
     }
-    figure = style.canvas(5.6)
-    figure.set_dpi(DOTS)
+    unit = _unit(pushing)
+    figure = Figure(height=5.6)
     axes = figure.subplots(1, 2, width_ratios=[3, 2])
-    panels = [_sailing(axes[0], track, t, at), _from_above(axes[1], track.L, at["delta"], pushing)]
+    _water(axes[0], track)
+    _looked_on(axes[1], pushing, unit)
+    for axis in axes:
+        axis.set_title(" ")  # room for the title that changes
     figure.suptitle(figure_text(f"{track.name}, L = {track.L:.4g} m, Fn {track.Fn:.3f}"))
-    style.legend_below(figure, axes, columns=5)
-    canvas: Any = FigureCanvasAgg(figure)
-    moving = [item for items, _ in panels for item in items]
-    for _, move in panels:
-        move(0)
-    for item in moving:
-        item.set_animated(True)
+    figure.legend_below(list(axes), columns=5)
+    scene = figure.laid_out()
+    drawing = drawn(scene)
+    drawing.set_dpi(DOTS)
+    over = moving_axes(drawing, scene)
+    panels = [
+        _sailing(over[0], track, t, at),
+        _from_above(over[1], track.L, at["delta"], pushing, unit),
+    ]
+    canvas: Any = FigureCanvasAgg(drawing)
+    for items, _ in panels:
+        for item in items:
+            item.set_animated(True)
     canvas.draw()
-    still = canvas.copy_from_bbox(figure.bbox)
+    still = canvas.copy_from_bbox(drawing.bbox)
     for place in range(frames):
         canvas.restore_region(still)
         for items, move in panels:
@@ -179,21 +199,58 @@ def _pictures(track: TrackLike, frames: int, called: Callable[[str], str]) -> It
         )
 
 
-def _sailing(axis: Axes, track: TrackLike, t: Array, at: Mapping[str, Array]) -> Panel:
-    """The ship along her path, with what the time is."""
-    ahead, aside, ship = track.x / track.L, track.y / track.L, style.colour(0)
+# What stands still.
+
+
+def _water(axis: Axes, track: TrackLike) -> None:
+    """The path of the ship, and where was ordered what."""
+    ahead, aside = track.x / track.L, track.y / track.L
     axis.plot(aside, ahead, color=style.REFERENCE, lw=0.8, ls=":")
-    (sailed,) = axis.plot([], [], color=ship, label="path of midship")
-    given = np.asarray(track.orders)
+    axis.plot([], [], color=style.colour(0), label="path of midship")
     if len(track.orders) <= style.FEW:
+        given = np.asarray(track.orders)
         x, y = np.interp(given, track.t, aside), np.interp(given, track.t, ahead)
         open_mark(axis, x, y, "orders", zorder=3)
-    hull, blade = _ship(axis)
     path_axes(axis)
-    axis.update_datalim([(aside.min() - 0.6, ahead.min() - 0.6)])
-    axis.update_datalim([(aside.max() + 0.6, ahead.max() + 0.6)])
+    axis.set_xlim(np.nanmin(aside) - _ABOUT, np.nanmax(aside) + _ABOUT)
+    axis.set_ylim(np.nanmin(ahead) - _ABOUT, np.nanmax(ahead) + _ABOUT)
+
+
+def _looked_on(axis: Axes, forces: Mapping[str, Array], unit: float) -> None:
+    """Her own axes, with what the marks stand for."""
+    axis.set_aspect_equal()
+    axis.set_xlim(-0.9, 0.9)
+    axis.set_ylim(-1.4, 1.4)
+    axis.set_xlabel("to starboard of midship / L [-]")
+    axis.set_ylabel("ahead of midship / L [-]")
+    for i, name in enumerate(forces):
+        axis.plot([], [], ls="", label=figure_text(name), **_mark(i))
+    if forces:
+        long = f"{number(unit / 1e3)} kN" if unit >= 1e3 else f"{number(unit)} N"
+        axis.text(0.02, 0.99, f"forces by effect, 1 L: {long}", fraction=True, va="top")
+
+
+def _unit(forces: Mapping[str, Array]) -> float:
+    """Force whose arrow is a ship length long [N]."""
+    largest = max((float(np.hypot(X, Y).max()) for X, Y, _ in forces.values()), default=0.0)
+    return largest / _LONGEST or 1.0
+
+
+def _mark(effect: int) -> dict[str, Any]:
+    """How the place of a force looks, by the number of its effect."""
+    return {"marker": style.marker(effect), "ms": 3.5, "color": style.colour(1 + effect)}
+
+
+# What moves over it.
+
+
+def _sailing(axis: Ground, track: TrackLike, t: Array, at: Mapping[str, Array]) -> Panel:
+    """The ship along her path, with what the time is."""
+    ahead, aside = track.x / track.L, track.y / track.L
+    (sailed,) = axis.plot([], [], color=style.colour(0), lw=1.6)
+    hull, blade = _ship(axis)
     speed = np.hypot(at["u"], at["v"])
-    title = axis.set_title("")
+    title = _title(axis)
 
     def show(place: int) -> None:
         heading, here = at["psi"][place], np.array([at["y"][place], at["x"][place]]) / track.L
@@ -208,45 +265,24 @@ def _sailing(axis: Axes, track: TrackLike, t: Array, at: Mapping[str, Array]) ->
     return [sailed, hull, blade, title], show
 
 
-def _from_above(axis: Axes, L: float, delta: Array, forces: Mapping[str, Array]) -> Panel:
+def _from_above(
+    axis: Ground, L: float, delta: Array, forces: Mapping[str, Array], unit: float
+) -> Panel:
     """The ship in her own axes, with her rudder and the forces of each effect."""
     hull, blade = _ship(axis)
     hull.set_xy(oriented(WATERLINE, 0.0))
-    axis.set_aspect("equal")
-    axis.set(xlim=(-0.9, 0.9), ylim=(-1.4, 1.4))
-    axis.set_xlabel("to starboard of midship / L [-]")
-    axis.set_ylabel("ahead of midship / L [-]")
     X, Y, N = np.array(list(forces.values())).reshape(-1, 3, len(delta)).transpose(1, 0, 2)
-    largest = float(np.hypot(X, Y).max(initial=0.0))
-    unit = largest / _LONGEST or 1.0
     from_midship = np.clip(N * Y / (Y**2 + (_SMALL * unit) ** 2) / L, -0.5, 0.5)
-    colours = [style.colour(1 + i) for i in range(len(forces))]
-    marks = []
-    for i, name in enumerate(forces):
-        (mark,) = axis.plot(
-            [],
-            [],
-            ls="",
-            marker=style.marker(i),
-            ms=3.5,
-            color=colours[i],
-            label=figure_text(name),
-            zorder=5,
-        )
-        marks.append(mark)
+    marks = [axis.plot([0.0], [0.0], ls="", **_mark(i))[0] for i in range(len(forces))]
     arrows: Any = axis.quiver(
         *np.zeros((4, len(forces))),
-        color=colours,
+        color=[style.colour(1 + i) for i in range(len(forces))],
         angles="xy",
         scale_units="xy",
         scale=1.0,
         width=0.01,
-        zorder=4,
     )
-    if forces:
-        long = f"{number(unit / 1e3)} kN" if unit >= 1e3 else f"{number(unit)} N"
-        axis.text(0.02, 0.99, f"forces by effect, 1 L: {long}", transform=axis.transAxes, va="top")
-    title = axis.set_title("")
+    title = _title(axis)
 
     def show(place: int) -> None:
         blade.set_data(*oriented(_blade(delta[place]), 0.0).T)
@@ -260,10 +296,18 @@ def _from_above(axis: Axes, L: float, delta: Array, forces: Mapping[str, Array])
     return [hull, blade, arrows, title, *marks], show
 
 
-def _ship(axis: Axes) -> tuple[Any, Any]:
+def _title(axis: Ground) -> Any:
+    """The title that changes."""
+    return axis.annotate(
+        "", (0.0, 1.0), (0.0, _UP), xycoords="axes fraction", textcoords="offset points",
+        color=INK, fontsize=10,
+    )  # fmt: skip
+
+
+def _ship(axis: Ground) -> tuple[Any, Any]:
     """Hull and rudder, which a frame puts in their places."""
     (hull,) = axis.fill([0.0], [0.0], facecolor=style.colour(0), edgecolor="none", alpha=0.35)
-    (blade,) = axis.plot([], [], color=style.INK, lw=2.0, zorder=4)
+    (blade,) = axis.plot([], [], color=INK, lw=2.0)
     return hull, blade
 
 

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
+from pmmkit.plotting.figure import Figure
 
 # What is drawn of a free-running history, whatever holds it.
 
@@ -160,25 +157,21 @@ def band_histories(band: Band) -> Figure:
         ("surge velocity u [m/s]", "u", track.u, 1.0),
         ("sway velocity v [m/s]", "v", track.v, 1.0),
     )
-    with style.styled():
-        figure = style.canvas(1.35 * len(panels) + 0.6)
-        axes = figure.subplots(len(panels), 1, sharex=True)
-        for axis, (title, channel, values, factor) in zip(axes, panels, strict=True):
-            axis.fill_between(
-                track.t,
-                factor * band.low[channel],
-                factor * band.high[channel],
-                color=PALE,
-                lw=0,
-                label=f"95 % of {band.ships} ships",
-            )
-            axis.plot(track.t, values, color=style.colour(0), label="as it is")
-            for instant in track.orders if len(track.orders) <= style.FEW else ():
-                axis.axvline(
-                    instant, color=style.REFERENCE, lw=0.8, ls=":", label="order", zorder=1.6
-                )
-            style.widened(axis)
-            axis.set_title(title)
-        axes[-1].set_xlabel("time from the first order [s]")
-        style.legend_below(figure, list(axes))
+    figure = Figure(height=1.35 * len(panels) + 0.6)
+    axes = figure.subplots(len(panels), 1, sharex=True)
+    for axis, (title, channel, values, factor) in zip(axes, panels, strict=True):
+        axis.fill_between(
+            track.t,
+            factor * band.low[channel],
+            factor * band.high[channel],
+            color=PALE,
+            label=f"95 % of {band.ships} ships",
+        )
+        axis.plot(track.t, values, color=style.colour(0), label="as it is")
+        for instant in track.orders if len(track.orders) <= style.FEW else ():
+            axis.axvline(instant, color=style.REFERENCE, lw=0.8, ls=":", label="order", zorder=1.6)
+        style.widened(axis)
+        axis.set_title(title)
+    axes[-1].set_xlabel("time from the first order [s]")
+    figure.legend_below(list(axes))
     return figure

@@ -12,13 +12,13 @@ from pmmkit.base import DataError
 from pmmkit.conventions import METRICS, Criterion
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
+from pmmkit.plotting.axes import Axes
+from pmmkit.plotting.figure import Figure
+from pmmkit.plotting.marks import INK
 from pmmkit.plotting.turns import open_mark, path_axes, trajectory, turn_histories
 from pmmkit.presentation import figure_text
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from pmmkit.plotting.bands import TrackLike
 
 
@@ -27,41 +27,35 @@ def zigzag(tracks: Sequence[TrackLike], names: Sequence[str] | None = None) -> F
     if not tracks:
         raise DataError("There is no track to draw.")
     labels = [figure_text(name) for name in names or [track.name for track in tracks]]
-    with style.styled():
-        figure = style.canvas(5.6)
-        above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
-        for number, (name, track) in enumerate(zip(labels, tracks, strict=True)):
-            colour = style.colour(number)
-            above.plot(
-                track.t,
-                np.degrees(track.psi),
-                color=colour,
-                marker=style.marker(number) if len(tracks) > 1 else "",
-                markevery=max(1, len(track) // 20),
-                ms=3.5,
-                label=f"{name}, heading",
+    figure = Figure(height=5.6)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
+    for number, (name, track) in enumerate(zip(labels, tracks, strict=True)):
+        colour = style.colour(number)
+        above.plot(
+            track.t,
+            np.degrees(track.psi),
+            color=colour,
+            marker=style.marker(number) if len(tracks) > 1 else "",
+            markevery=max(1, len(track) // 20),
+            ms=3.5,
+            label=f"{name}, heading",
+        )
+        above.plot(
+            track.t, np.degrees(track.delta), color=colour, ls="--", lw=1.0, label=f"{name}, rudder"
+        )
+        below.plot(track.t, np.degrees(track.r), color=colour, ls=style.dash(number))
+        for instant in track.orders:
+            above.axvline(
+                instant, color=colour, lw=0.8, ls=":", label=f"{name}, rudder ordered", zorder=1
             )
-            above.plot(
-                track.t,
-                np.degrees(track.delta),
-                color=colour,
-                ls="--",
-                lw=1.0,
-                label=f"{name}, rudder",
-            )
-            below.plot(track.t, np.degrees(track.r), color=colour, ls=style.dash(number))
-            for instant in track.orders:
-                above.axvline(
-                    instant, color=colour, lw=0.8, ls=":", label=f"{name}, rudder ordered", zorder=1
-                )
-        if len(tracks) == 1:
-            _overshoots(above, tracks[0])
-        above.axhline(0.0, color=style.REFERENCE, lw=0.6)
-        above.set_title("heading ψ and rudder δ [deg]")
-        below.axhline(0.0, color=style.REFERENCE, lw=0.6)
-        below.set_title("yaw rate r [deg/s]")
-        below.set_xlabel("time from the first execute [s]")
-        style.legend_below(figure, [above], columns=3)
+    if len(tracks) == 1:
+        _overshoots(above, tracks[0])
+    above.axhline(0.0, color=style.REFERENCE, lw=0.6)
+    above.set_title("heading ψ and rudder δ [deg]")
+    below.axhline(0.0, color=style.REFERENCE, lw=0.6)
+    below.set_title("yaw rate r [deg/s]")
+    below.set_xlabel("time from the first execute [s]")
+    figure.legend_below([above], columns=3)
     return figure
 
 
@@ -79,11 +73,11 @@ def _overshoots(axis: Axes, track: TrackLike) -> None:
             continue
         top = inside[np.argmax(np.abs(heading[inside]))]
         side = np.sign(heading[top])
-        axis.annotate(
+        axis.text(
+            track.t[top],
+            side * (switch + value),
             f"{value:.1f}°",
-            (track.t[top], side * (switch + value)),
             xytext=(0, 5 * side),
-            textcoords="offset points",
             ha="center",
             va="bottom" if side > 0 else "top",
             fontsize=9,
@@ -94,27 +88,26 @@ def _overshoots(axis: Axes, track: TrackLike) -> None:
 
 def spiral(track: TrackLike) -> Figure:
     """Yaw rate over rudder angle: both ways through a spiral."""
-    with style.styled():
-        figure = style.canvas(4.2, 5.6)
-        axis = figure.subplots()
-        for number, (way, text) in enumerate((("first", "first way"), ("back", "way back"))):
-            (rates_at,) = METRICS.named(f"yaw_rate_deg_s_at_{{}}_{way}")
-            points = sorted(
-                (float(angle), value)
-                for name, value in track.metrics.items()
-                if (angle := rates_at.count(name))
-            )
-            angles, rates = zip(*points, strict=True)
-            axis.plot(
-                angles,
-                rates,
-                color=style.colour(number),
-                marker=style.marker(number),
-                ms=4,
-                ls="-" if number == 0 else "--",
-                label=text,
-            )
-        _rate_over_rudder(figure, axis)
+    figure = Figure(height=4.2, width=5.6)
+    axis = figure.subplots()
+    for number, (way, text) in enumerate((("first", "first way"), ("back", "way back"))):
+        (rates_at,) = METRICS.named(f"yaw_rate_deg_s_at_{{}}_{way}")
+        points = sorted(
+            (float(angle), value)
+            for name, value in track.metrics.items()
+            if (angle := rates_at.count(name))
+        )
+        angles, rates = zip(*points, strict=True)
+        axis.plot(
+            angles,
+            rates,
+            color=style.colour(number),
+            marker=style.marker(number),
+            ms=4,
+            ls="-" if number == 0 else "--",
+            label=text,
+        )
+    _rate_over_rudder(figure, axis)
     return figure
 
 
@@ -124,7 +117,7 @@ def _rate_over_rudder(figure: Figure, axis: Axes) -> None:
     axis.axvline(0.0, color=style.REFERENCE, lw=0.6)
     axis.set_xlabel("rudder δ, positive turns to starboard [deg]")
     axis.set_ylabel("steady yaw rate r [deg/s]")
-    style.legend_below(figure, [axis])
+    figure.legend_below([axis])
 
 
 def steady_turns(
@@ -146,39 +139,33 @@ def steady_turns(
     Figure
         Turns that the ship leaves by itself are dashed; the loop of an unstable ship is shaded.
     """
-    with style.styled():
-        figure = style.canvas(4.2, 5.6)
-        axis = figure.subplots()
-        near = np.abs(rudder_deg) <= Criterion.HARD_OVER
-        rudder, rate = rudder_deg[near], yaw_rate_deg_s[near]
-        for kind, dash, text in ((True, "-", "stays"), (False, "--", "leaves by itself")):
-            kept = np.where(stays[near] == kind, rate, np.nan)
-            if np.any(np.isfinite(kept)):
-                axis.plot(rudder, kept, color=style.colour(0 if kind else 1), ls=dash, label=text)
-        if loop[1] > loop[0]:
-            axis.axvspan(
-                *loop,
-                color=style.colour(1),
-                alpha=0.15,
-                lw=0,
-                label=f"loop {loop[1] - loop[0]:.2f}° wide",
-            )
-        _rate_over_rudder(figure, axis)
+    figure = Figure(height=4.2, width=5.6)
+    axis = figure.subplots()
+    near = np.abs(rudder_deg) <= Criterion.HARD_OVER
+    rudder, rate = rudder_deg[near], yaw_rate_deg_s[near]
+    for kind, dash, text in ((True, "-", "stays"), (False, "--", "leaves by itself")):
+        kept = np.where(stays[near] == kind, rate, np.nan)
+        if np.any(np.isfinite(kept)):
+            axis.plot(rudder, kept, color=style.colour(0 if kind else 1), ls=dash, label=text)
+    if loop[1] > loop[0]:
+        axis.axvspan(
+            *loop, color=style.colour(1), alpha=0.15, label=f"loop {loop[1] - loop[0]:.2f}° wide"
+        )
+    _rate_over_rudder(figure, axis)
     return figure
 
 
 def path(track: TrackLike) -> Figure:
     """Path over the water in ship lengths with the places of the orders."""
-    with style.styled():
-        figure = style.canvas(6.0, 6.6)
-        axis = figure.subplots()
-        axis.plot(track.y / track.L, track.x / track.L, color=style.colour(0), label="midship")
-        places = [int(np.searchsorted(track.t, t)) for t in track.orders]
-        places = [min(place, len(track) - 1) for place in places]
-        x, y = track.y[places] / track.L, track.x[places] / track.L
-        open_mark(axis, x, y, "orders", zorder=3)
-        path_axes(axis)
-        style.legend_below(figure, [axis])
+    figure = Figure(height=6.0, width=6.6)
+    axis = figure.subplots()
+    axis.plot(track.y / track.L, track.x / track.L, color=style.colour(0), label="midship")
+    places = [int(np.searchsorted(track.t, t)) for t in track.orders]
+    places = [min(place, len(track) - 1) for place in places]
+    x, y = track.y[places] / track.L, track.x[places] / track.L
+    open_mark(axis, x, y, "orders", zorder=3)
+    path_axes(axis)
+    figure.legend_below([axis])
     return figure
 
 
@@ -194,54 +181,44 @@ def histories(track: TrackLike) -> Figure:
     ]
     if np.any(track.phi):
         panels.append(("heel φ, starboard down [deg]", [("heel φ", np.degrees(track.phi))]))
-    with style.styled():
-        figure = style.canvas(1.4 * len(panels) + 0.4)
-        axes = figure.subplots(len(panels), 1, sharex=True)
-        for axis, (title, lines) in zip(axes, panels, strict=True):
-            for number, (name, values) in enumerate(lines):
-                several = name if len(lines) > 1 else None
-                axis.plot(
-                    track.t,
-                    values,
-                    color=style.colour(number),
-                    ls=style.dash(number),
-                    label=several,
-                )
-            for instant in track.orders if len(track.orders) <= style.FEW else ():
-                axis.axvline(
-                    instant, color=style.REFERENCE, lw=0.8, ls=":", label="order", zorder=1
-                )
-            style.widened(axis)
-            axis.set_title(title)
-        axes[-1].set_xlabel("time from the first order [s]")
-        style.legend_below(figure, list(axes))
+    figure = Figure(height=1.4 * len(panels) + 0.4)
+    axes = figure.subplots(len(panels), 1, sharex=True)
+    for axis, (title, lines) in zip(axes, panels, strict=True):
+        for number, (name, values) in enumerate(lines):
+            several = name if len(lines) > 1 else None
+            axis.plot(
+                track.t, values, color=style.colour(number), ls=style.dash(number), label=several
+            )
+        for instant in track.orders if len(track.orders) <= style.FEW else ():
+            axis.axvline(instant, color=style.REFERENCE, lw=0.8, ls=":", label="order", zorder=1)
+        style.widened(axis)
+        axis.set_title(title)
+    axes[-1].set_xlabel("time from the first order [s]")
+    figure.legend_below(list(axes))
     return figure
 
 
 def forces_over_time(track: TrackLike, called: Callable[[str], str]) -> Figure:
     """X, Y and N of each effect over time, and their sum."""
-    with style.styled():
-        figure = style.canvas(6.4)
-        axes = figure.subplots(3, 1, sharex=True)
-        every = np.stack(list(track.forces.values()))
-        for row, (axis, title) in enumerate(zip(axes, ("X", "Y", "N"), strict=True)):
-            most = np.abs(every[:, row]).max()
-            size, unit = (1e6, "MN") if most >= 1e7 else (1e3, "kN") if most >= 1e4 else (1.0, "N")
+    figure = Figure(height=6.4)
+    axes = figure.subplots(3, 1, sharex=True)
+    every = np.stack(list(track.forces.values()))
+    for row, (axis, title) in enumerate(zip(axes, ("X", "Y", "N"), strict=True)):
+        most = np.abs(every[:, row]).max()
+        size, unit = (1e6, "MN") if most >= 1e7 else (1e3, "kN") if most >= 1e4 else (1.0, "N")
+        axis.plot(track.t, every[:, row].sum(axis=0) / size, color=INK, lw=0.8, label="sum")
+        for number, (name, own) in enumerate(track.forces.items(), 1):
             axis.plot(
-                track.t, every[:, row].sum(axis=0) / size, color=style.INK, lw=0.8, label="sum"
+                track.t,
+                own[row] / size,
+                color=style.colour(number),
+                ls=style.dash(number),
+                label=figure_text(called(name)),
             )
-            for number, (name, own) in enumerate(track.forces.items(), 1):
-                axis.plot(
-                    track.t,
-                    own[row] / size,
-                    color=style.colour(number),
-                    ls=style.dash(number),
-                    label=figure_text(called(name)),
-                )
-            style.widened(axis)
-            axis.set_title(f"{title} [{unit}{' m' if title == 'N' else ''}]")
-        axes[-1].set_xlabel("time from the first order [s]")
-        style.legend_below(figure, list(axes))
+        style.widened(axis)
+        axis.set_title(f"{title} [{unit}{' m' if title == 'N' else ''}]")
+    axes[-1].set_xlabel("time from the first order [s]")
+    figure.legend_below(list(axes))
     return figure
 
 

@@ -11,13 +11,12 @@ from pmmkit.base import DataError
 from pmmkit.conventions import Metric
 from pmmkit.numerics import Array, turned
 from pmmkit.plotting import style
+from pmmkit.plotting.axes import Axes
 from pmmkit.plotting.bands import PALE, Band
+from pmmkit.plotting.figure import Figure
 from pmmkit.presentation import figure_text
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from pmmkit.plotting.bands import TrackLike
 
 
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
 
 
 Place = tuple[float, float]
-_LINE: Final = {"arrowstyle": "<->", "color": style.REFERENCE, "shrinkA": 0, "shrinkB": 0}
 
 
 def open_mark(axis: Axes, x: float | Array, y: float | Array, label: str, **more: Any) -> None:
@@ -72,25 +70,25 @@ def dimension(
     """
     for there, here in guides:
         axis.plot([there[0], here[0]], [there[1], here[1]], color="#bbbbbb", lw=0.8, ls=":")
-    axis.annotate("", end, start, arrowprops=_LINE)
-    axis.annotate(
+    axis.arrow(start, end, color=style.REFERENCE, both=True)
+    axis.text(
+        (start[0] + end[0]) / 2,
+        (start[1] + end[1]) / 2,
         text,
-        ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2),
         xytext=(-5, 0) if upright else (0, 3),
-        textcoords="offset points",
         rotation=90 if upright else 0,
         ha="right" if upright else "center",
         va="center" if upright else "bottom",
         fontsize=9,
         color=style.REFERENCE,
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.8},
+        box=0.85,
         zorder=6,
     )
 
 
 def path_axes(axis: Axes) -> None:
     """Axes of a path in ship lengths, ahead upwards, both to one scale."""
-    axis.set_aspect("equal", adjustable="datalim")
+    axis.set_aspect_equal()
     axis.set_xlabel("to starboard, y / L [-]")
     axis.set_ylabel("ahead, x / L [-]")
 
@@ -119,16 +117,16 @@ def beyond(
         right = bool(x > 0)
         end = limit if right else -limit
         axis.plot(end, y, marker=">" if right else "<", ms=4, color=colour, clip_on=False, zorder=4)
-        axis.annotate(
+        axis.text(
+            end,
+            y,
             f"{x:.3g}",
-            (end, y),
             xytext=(-6 if right else 6, 0),
-            textcoords="offset points",
             ha="right" if right else "left",
             va="center",
             fontsize=size,
             color=colour,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
+            box=1.0,
             zorder=5,
         )
 
@@ -166,7 +164,7 @@ def trajectory(
     Returns
     -------
     Figure
-        A matplotlib figure with equal axes.
+        The figure, with both axes to one scale.
 
     Raises
     ------
@@ -174,50 +172,48 @@ def trajectory(
         If there is no track.
     """
     labels = _labels(tracks, names)
-    with style.styled():
-        figure = style.canvas(6.6, 7.6)
-        axis = figure.subplots()
-        if band is not None:
-            _about(axis, band, tracks[0].L)
-        for number, (name, track) in enumerate(zip(labels, tracks, strict=True)):
-            _path(axis, track, number, name)
-        _marks_told(axis)
-        if len(tracks) == 1:
-            _measures(axis, tracks[0], band.measures if band else {})
-        path_axes(axis)
-        style.legend_below(figure, [axis], columns=3)
+    figure = Figure(height=6.6, width=7.6)
+    axis = figure.subplots()
+    if band is not None:
+        _about(axis, band, tracks[0].L)
+    for number, (name, track) in enumerate(zip(labels, tracks, strict=True)):
+        _path(axis, track, number, name)
+    _marks_told(axis)
+    if len(tracks) == 1:
+        _measures(axis, tracks[0], band.measures if band else {})
+    path_axes(axis)
+    figure.legend_below([axis], columns=3)
     return figure
 
 
 def turn_histories(tracks: Sequence[TrackLike], names: Sequence[str] | None = None) -> Figure:
     """Speed, yaw rate, drift, heading, rudder and revolutions, over the time in ship lengths."""
     labels = _labels(tracks, names)
-    with style.styled():
-        figure = style.canvas(5.4)
-        axes = figure.subplots(2, 3, sharex=True).ravel()
-        for number, (name, track) in enumerate(zip(labels, tracks, strict=True)):
-            level = track.v * np.cos(np.nan_to_num(track.phi))
-            speed = np.hypot(track.u, level)
-            approach, length = track.speed, track.L
-            look = {"color": style.colour(number), "ls": style.dash(number), "label": name}
-            time = track.t * approach / length
-            axes[0].plot(time, speed / approach, **look)
-            axes[1].plot(time, track.r * length / approach, **look)
-            axes[2].plot(time, np.degrees(np.arctan2(-level, track.u)), **look)
-            axes[3].plot(time, np.degrees(track.psi), **look)
-            axes[4].plot(time, np.degrees(track.delta), **look)
-            axes[5].plot(time, track.n, **look)
-        axes[0].set_title("speed over approach speed U / U₀ [-]")
-        axes[0].set_ylim(0, 1.05)
-        axes[1].set_title("yaw rate r L / U₀ [-]")
-        axes[2].set_title("drift angle β midship [deg]")
-        axes[3].set_title("heading ψ [deg]")
-        axes[4].set_title("rudder δ [deg]")
-        axes[5].set_title("revolutions n [1/s]")
-        for axis in axes[3:]:
-            style.widened(axis)
-            axis.set_xlabel("time t U₀ / L [-]")
-        style.legend_below(figure, list(axes))
+    figure = Figure(height=5.4)
+    axes = figure.subplots(2, 3, sharex=True).ravel()
+    for number, (name, track) in enumerate(zip(labels, tracks, strict=True)):
+        level = track.v * np.cos(np.nan_to_num(track.phi))
+        speed = np.hypot(track.u, level)
+        approach, length = track.speed, track.L
+        look = {"color": style.colour(number), "ls": style.dash(number), "label": name}
+        time = track.t * approach / length
+        axes[0].plot(time, speed / approach, **look)
+        axes[1].plot(time, track.r * length / approach, **look)
+        axes[2].plot(time, np.degrees(np.arctan2(-level, track.u)), **look)
+        axes[3].plot(time, np.degrees(track.psi), **look)
+        axes[4].plot(time, np.degrees(track.delta), **look)
+        axes[5].plot(time, track.n, **look)
+    axes[0].set_title("speed over approach speed U / U₀ [-]")
+    axes[0].set_ylim(0, 1.05)
+    axes[1].set_title("yaw rate r L / U₀ [-]")
+    axes[2].set_title("drift angle β midship [deg]")
+    axes[3].set_title("heading ψ [deg]")
+    axes[4].set_title("rudder δ [deg]")
+    axes[5].set_title("revolutions n [1/s]")
+    for axis in axes[3:]:
+        style.widened(axis)
+        axis.set_xlabel("time t U₀ / L [-]")
+    figure.legend_below(list(axes))
     return figure
 
 
@@ -236,7 +232,7 @@ def _path(axis: Axes, track: TrackLike, number: int, name: str) -> None:
     stops = np.arange(0.0, min(reached[-1], 2 * np.pi), _EVERY)
     for index in np.searchsorted(reached, stops):
         outline = np.array([aside[index], ahead[index]]) + oriented(WATERLINE, track.psi[index])
-        axis.fill(*outline.T, facecolor=colour, edgecolor="none", alpha=0.35, zorder=1.8)
+        axis.polygons(outline, color=colour, alpha=0.35, zorder=1.8)
     for angle, face in ((np.pi / 2, colour), (np.pi, "white")):
         if angle <= reached[-1]:
             axis.plot(
@@ -245,7 +241,7 @@ def _path(axis: Axes, track: TrackLike, number: int, name: str) -> None:
                 marker=style.marker(number),
                 ls="",
                 ms=6,
-                markeredgecolor=colour,
+                color=colour,
                 markerfacecolor=face,
                 zorder=4,
             )
@@ -253,28 +249,16 @@ def _path(axis: Axes, track: TrackLike, number: int, name: str) -> None:
 
 def _about(axis: Axes, band: Band, length: float) -> None:
     """The band of the path, a quadrangle between two headings."""
-    from matplotlib.collections import PolyCollection
-
     inner, outer = band.inner[:, ::-1] / length, band.outer[:, ::-1] / length
     steps = np.stack([inner[:-1], inner[1:], outer[1:], outer[:-1]], axis=1)
-    axis.add_collection(
-        PolyCollection(
-            list(steps), color=PALE, lw=0.3, zorder=1.5, label=f"95 % of {band.ships} ships"
-        )
-    )
+    axis.polygons(steps, color=PALE, outline=0.3, zorder=1.5, label=f"95 % of {band.ships} ships")
 
 
 def _marks_told(axis: Axes) -> None:
     """What the marks stand for, in the legend."""
     for face, text in ((style.REFERENCE, "90° of heading"), ("white", "180°")):
         axis.plot(
-            [],
-            [],
-            ls="",
-            marker="o",
-            markeredgecolor=style.REFERENCE,
-            markerfacecolor=face,
-            label=text,
+            [], [], ls="", marker="o", color=style.REFERENCE, markerfacecolor=face, label=text
         )
 
 

@@ -232,7 +232,7 @@ class Picture:
     file : str
         Name without ending of the file in which it stands beside the page too; empty for none.
     figure : Figure, optional
-        What it was drawn from, for documents that take no SVG.
+        What it was drawn from, of `pmmkit.plotting`, for documents that take no SVG.
     """
 
     svg: str

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
@@ -160,6 +159,8 @@ def _grown(tables: TablesByDepth, shallow: DerivativeTable) -> Iterator[Growth]:
 
 
 def _felt(own: Sequence[Growth]) -> Felt:
+    from scipy.optimize import least_squares
+
     def away(share: float) -> Array:
         return np.array([(item.factor - item.of_share(share)) / item.std for item in own])
 

@@ -17,7 +17,8 @@ from pmmkit.reduction.solve import Solution
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

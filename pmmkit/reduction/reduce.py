@@ -48,7 +48,8 @@ from pmmkit.reduction.verdict import verdict
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 
 # Sinkage and trim of straight runs: squat over the Froude number.

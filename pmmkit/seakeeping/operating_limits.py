@@ -20,7 +20,8 @@ from pmmkit.seakeeping.transfer import MODES, Rao
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 LIMITS: Final[Mapping[str, float]] = MappingProxyType(
     {"roll_deg": 6.0, "acceleration": 1.5, "slam": 0.02, "wet": 0.05}

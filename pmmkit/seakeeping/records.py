@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from glob import glob
 from pathlib import Path
 from types import MappingProxyType
@@ -30,7 +29,7 @@ from pmmkit.seakeeping.transfer import MODES, Rao
 from pmmkit.signals import design_matrix
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from pmmkit.plotting import Figure
 
 
 WAVE: Final = "wave"
@@ -190,12 +189,10 @@ class RecordsBeside:
         """The files that are written."""
         import pandas as pd
 
-        from pmmkit.plotting import save
-
         tables = [item.to_pandas() for item in self.motions]
         yield "measured.csv", pd.concat(tables, ignore_index=True)
         if figures:
-            yield "measured.svg", partial(save, self.plot())
+            yield "measured.svg", self.plot().save
 
     def plot(self) -> Figure:
         """Measured points beside computed curves."""

@@ -21,7 +21,8 @@ from pmmkit.simulation import Track
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 CHANNELS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
     {

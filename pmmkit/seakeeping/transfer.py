@@ -20,8 +20,8 @@ from pmmkit.seakeeping.strips import Strips, coefficients, excitation, mass_matr
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-    from matplotlib.figure import Figure
 
+    from pmmkit.plotting import Figure
     from pmmkit.seakeeping.seas import Sea
 
 

@@ -20,7 +20,7 @@ from pmmkit.simulation.spread import Draws, drawn_of
 from pmmkit.simulation.track import Track
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from pmmkit.plotting import Figure
 
 DRAWN: Final = ("psi", "delta", "r", "u", "v")
 """Channels that have a band over time."""

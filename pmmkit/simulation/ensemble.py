@@ -40,7 +40,8 @@ from pmmkit.simulation.spread import CHUNK, Draws, Spread, drawn_of, in_kind
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 Sailed = tuple[dict[str, Array], Array]
 """Metrics (n,) by name, and the status (n,) of each ship."""

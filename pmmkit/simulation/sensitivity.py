@@ -32,7 +32,8 @@ from pmmkit.simulation.spread import Spread, in_kind
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 STEP: Final = 1e-3
 """Step of the differences over the size of a derivative."""

@@ -18,7 +18,8 @@ from pmmkit.presentation import Described, Grid, Group, Section
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 _SETTLED: Final = 1e-11
 LISTED: Final = 16

@@ -22,8 +22,8 @@ from pmmkit.simulation.kinds.turning import LENGTHS
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-    from matplotlib.figure import Figure
 
+    from pmmkit.plotting import Figure
     from pmmkit.simulation.froude import FroudeRange
     from pmmkit.simulation.kinds.manoeuvre import Manoeuvre
 

@@ -38,7 +38,8 @@ from pmmkit.validation.uncertainty import SHARES
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 MOST: Final = 12
 """Sentences of a report; `Comparison.standouts` has all of them."""

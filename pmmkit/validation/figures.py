@@ -4,31 +4,27 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Final
 
 import numpy as np
 
 from pmmkit.campaigns import TEST_KINDS
 from pmmkit.numerics import Array
-from pmmkit.plotting import INK, canvas, colour, styled
+from pmmkit.plotting import INK, Axes, Figure, Shades, colour
 from pmmkit.presentation import figure_text
 from pmmkit.validation.misfit import MisfitCell, order_words
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 MEASURED, SIMULATED = colour(0), colour(2)
-LEVELS: Final = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 1e9)
+SHADES: Final = Shades(
+    levels=(0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 1e9),
+    colours=("#f4f4f4", "#e2e6ea", "#fbe3bd", "#f5b971", "#e3871c", "#c0501f", "#8f1f1f"),
+)
 """Steps of the colours, in units of the expanded uncertainty."""
-SHADES: Final = ("#f4f4f4", "#e2e6ea", "#fbe3bd", "#f5b971", "#e3871c", "#c0501f", "#8f1f1f")
 ENDINGS: Final = {1: "st", 2: "nd", 3: "rd"}
 
 
 def misfit_map(cells: Sequence[MisfitCell]) -> Figure:
     """The map of misfit: a panel a channel, test types down, harmonics and speeds across."""
-    from matplotlib.colors import BoundaryNorm, ListedColormap
-
     channels = list(dict.fromkeys(cell.channel for cell in cells))
     rows = {
         channel: list(dict.fromkeys(cell.test for cell in cells if cell.channel == channel))
@@ -36,48 +32,32 @@ def misfit_map(cells: Sequence[MisfitCell]) -> Figure:
     }
     columns = sorted({_column(cell) for cell in cells})
     heights = [len(tests) for tests in rows.values()]
-    with styled():
-        figure = canvas(1.3 + 0.3 * len(channels) + 0.27 * sum(heights))
-        axes = figure.subplots(len(channels), 1, squeeze=False, sharex=True, height_ratios=heights)[
-            :, 0
-        ]
-        norm, shades = BoundaryNorm(LEVELS, len(SHADES)), ListedColormap(SHADES)
-        image: Any = None
-        for axis, (channel, tests) in zip(axes, rows.items(), strict=True):
-            values = np.full((len(tests), len(columns)), np.nan)
-            for cell in cells:
-                if cell.channel == channel:
-                    place = tests.index(cell.test), columns.index(_column(cell))
-                    values[place] = np.fmax(values[place], cell.ratio)
-            image = axis.pcolormesh(
-                np.ma.masked_invalid(values),
-                cmap=shades,
-                norm=norm,
-                edgecolors="white",
-                linewidth=1.2,
-            )
-            _write_numbers(axis, values)
-            axis.grid(False)
-            axis.invert_yaxis()
-            axis.set_yticks(np.arange(len(tests)) + 0.5, [TEST_KINDS[test].title for test in tests])
-            axis.tick_params(length=0)
-            axis.spines[:].set_visible(False)
-            axis.set_ylabel(channel, rotation=0, fontsize=13, fontweight="bold", labelpad=12)
-        _name_harmonics(axes[0], [harmonic for harmonic, _ in columns])
-        for axis in axes:
-            _part_harmonics(axis, [harmonic for harmonic, _ in columns])
-        axes[-1].set_xticks(
-            np.arange(len(columns)) + 0.5,
-            [f"{speed:.3g}" for _, speed in columns],
-            rotation=90 if len(columns) > 18 else 0,
-        )
-        axes[-1].set_xlabel("speed [m/s]")
-        bar = figure.colorbar(
-            image, ax=list(axes), shrink=0.7, pad=0.01, spacing="uniform", ticks=LEVELS[:-1]
-        )
-        bar.set_label("error over expanded uncertainty [-]")
-        bar.outline.set_visible(False)
-        bar.ax.set_yticklabels([f"{level:g}" for level in LEVELS[:-1]])
+    figure = Figure(height=1.3 + 0.3 * len(channels) + 0.27 * sum(heights))
+    grid = figure.subplots(len(channels), 1, squeeze=False, sharex=True, height_ratios=heights)
+    axes = grid[:, 0]
+    for axis, (channel, tests) in zip(axes, rows.items(), strict=True):
+        values = np.full((len(tests), len(columns)), np.nan)
+        for cell in cells:
+            if cell.channel == channel:
+                place = tests.index(cell.test), columns.index(_column(cell))
+                values[place] = np.fmax(values[place], cell.ratio)
+        shown = axis.mosaic(values, SHADES, gap=1.2)
+        _write_numbers(axis, values)
+        axis.set_xlim(0.0, len(columns))
+        axis.set_ylim(len(tests), 0.0)
+        axis.without_frame()
+        axis.set_yticks(np.arange(len(tests)) + 0.5, [TEST_KINDS[test].title for test in tests])
+        axis.set_ylabel(channel, level=True, fontsize=13, bold=True)
+    _name_harmonics(axes[0], [harmonic for harmonic, _ in columns])
+    for axis in axes:
+        _part_harmonics(axis, [harmonic for harmonic, _ in columns])
+    axes[-1].set_xticks(
+        np.arange(len(columns)) + 0.5,
+        [f"{speed:.3g}" for _, speed in columns],
+        rotation=90 if len(columns) > 18 else 0,
+    )
+    axes[-1].set_xlabel("speed [m/s]")
+    figure.colour_key(shown, "error over expanded uncertainty [-]")
     return figure
 
 
@@ -135,24 +115,25 @@ def sailed(
         ("speed [m/s]", np.hypot(m["u"], m["v"]), np.hypot(p["u"], p["v"])),
         ("yaw rate r [deg/s]", np.degrees(m["r"]), np.degrees(p["r"])),
     )
-    with styled():
-        figure = canvas(6.2)
-        left, right = np.asarray(figure.subfigures(1, 2)).tolist()
-        track = left.subplots()
-        track.plot(m["y"], m["x"], color=MEASURED, label="measured")
-        track.plot(p["y"], p["x"], color=SIMULATED, ls="--", label="simulated, measured rudder")
-        track.plot(m["y"][:1], m["x"][:1], ls="", marker="o", color=INK, label="start")
-        track.set_aspect("equal", adjustable="datalim")
-        track.set_xlabel("y, east [m]")
-        track.set_ylabel("x, north [m]")
-        track.set_title(figure_text(title))
-        axes = right.subplots(4, 1, sharex=True)
-        for axis, (what, own, simulated) in zip(axes[:3], histories, strict=True):
-            axis.plot(t, own, color=MEASURED)
-            axis.plot(t, simulated, color=SIMULATED, ls="--")
-            axis.set_ylabel(what)
-        axes[3].plot(t, np.degrees(delta), color=INK, lw=1.0)
-        axes[3].set_ylabel("rudder δ [deg]")
-        axes[3].set_xlabel("time [s]")
-        left.legend(*track.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    figure = Figure(height=6.2)
+    grid = figure.subplots(4, 2, sharex="col")
+    track, axes = grid[0, 0], grid[:, 1]
+    track.rows = (0, 3)
+    for own in grid[1:, 0]:
+        own.remove()
+    track.plot(m["y"], m["x"], color=MEASURED, label="measured")
+    track.plot(p["y"], p["x"], color=SIMULATED, ls="--", label="simulated, measured rudder")
+    track.plot(m["y"][:1], m["x"][:1], ls="", marker="o", color=INK, label="start")
+    track.set_aspect_equal()
+    track.label_below("y, east [m]")
+    track.set_ylabel("x, north [m]")
+    track.set_title(figure_text(title))
+    for axis, (what, own, simulated) in zip(axes[:3], histories, strict=True):
+        axis.plot(t, own, color=MEASURED)
+        axis.plot(t, simulated, color=SIMULATED, ls="--")
+        axis.set_ylabel(what)
+    axes[3].plot(t, np.degrees(delta), color=INK, lw=1.0)
+    axes[3].set_ylabel("rudder δ [deg]")
+    axes[3].set_xlabel("time [s]")
+    figure.legend_below([track], columns=3)
     return figure

@@ -20,7 +20,7 @@ from pmmkit.effects import CATALOGUE, Effect
 from pmmkit.files import datasets_folder, write_text
 from pmmkit.intake.checks import CHECKS
 from pmmkit.models import load_model
-from pmmkit.plotting import style, trajectory
+from pmmkit.plotting import trajectory
 from pmmkit.views.figures.derivatives import derivatives_over_froude
 from scripts.documentation import actions, campaign_file, figures, manoeuvres, rooms
 from scripts.documentation.fences import page
@@ -244,9 +244,9 @@ def pictures() -> None:
     speeds = (6.0, 9.0, 12.0)
     tracks = [pk.simulate(model, "turning", rudder_deg=35, speed=speed) for speed in speeds]
     shown = table.select(["Yv", "Yr", "Yvvv", "Yvrr", "Nv", "Nr", "Nrrr", "Nvvr"])
-    style.save(derivatives_over_froude(shown), DOCS / "images" / "derivatives.png")
+    derivatives_over_froude(shown).save(DOCS / "images" / "derivatives.png")
     names = [f"{speed:g} m/s, Fn {model.ship.froude(speed):.3f}" for speed in speeds]
-    style.save(trajectory(tracks, names), DOCS / "images" / "turning.png")
+    trajectory(tracks, names).save(DOCS / "images" / "turning.png")
     turn = pk.simulate("s175", "turning", rudder_deg=35, speed=6.0, forces=True)
     turn.animate(DOCS / "images" / "turn.gif", frames=50)
 

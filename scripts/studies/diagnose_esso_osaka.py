@@ -27,7 +27,7 @@ from pmmkit.diagnosis import Diagnosis
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.identification import FreeRecord, Smoothed
 from pmmkit.models import Model
-from pmmkit.plotting import style
+from pmmkit.plotting import REFERENCE, Figure, colour
 from pmmkit.presentation import WIDE, plus_minus
 from scripts.studies.identify_esso_osaka import ROOT, SENSORS, records
 
@@ -205,18 +205,13 @@ def main() -> None:
 
 def figure(own: float, swaps: Sequence[float], path: Path) -> None:
     """Evidence of the wind: its own, and that of other records."""
-    with style.styled():
-        drawing = style.canvas(2.4)
-        axis = drawing.subplots()
-        axis.bar(
-            range(len(swaps) + 1),
-            [own, *swaps],
-            color=[style.colour(0), *[style.colour(1)] * len(swaps)],
-        )
-        axis.axhline(1.0, lw=0.8, ls=":")
-        axis.set_xlabel("places by which the winds are rotated among the records")
-        axis.set_title("ln evidence of the wind, less its price")
-    style.save(drawing, path)
+    drawing = Figure(height=2.4)
+    axis = drawing.subplots()
+    axis.bar(range(len(swaps) + 1), [own, *swaps], color=[colour(0), *[colour(1)] * len(swaps)])
+    axis.axhline(1.0, color=REFERENCE, lw=0.8, ls=":")
+    axis.set_xlabel("places by which the winds are rotated among the records")
+    axis.set_title("ln evidence of the wind, less its price")
+    drawing.save(path)
 
 
 def named(all_: Sequence[FreeRecord]) -> list[FreeRecord]:

@@ -18,7 +18,6 @@ from pathlib import Path
 
 import pmmkit as pk
 from pmmkit.diagnosis import Diagnosis, Session, begin
-from pmmkit.plotting import save
 from pmmkit.presentation import WIDE
 
 ROOT = Path(__file__).parents[2]
@@ -80,7 +79,7 @@ def main() -> None:
         print("does not lower it:", ", ".join(fall.useless) or "none")
         if o.out is not None:
             o.out.mkdir(parents=True, exist_ok=True)
-            save(fall.plot(), o.out / f"hmri_{base}.png")
+            fall.plot().save(o.out / f"hmri_{base}.png")
 
 
 if __name__ == "__main__":

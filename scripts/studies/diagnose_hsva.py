@@ -27,7 +27,7 @@ from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.equations import prepare, run_plan
 from pmmkit.identification import Prediction, Smoothed, free_records
 from pmmkit.models import Model
-from pmmkit.plotting import style
+from pmmkit.plotting import Figure, colour
 from pmmkit.simulation import MANOEUVRES
 from pmmkit.simulation.single import gear_of, track_of
 from scripts.studies.diagnose_esso_osaka import told
@@ -172,22 +172,20 @@ def main() -> None:
 def figure(errors: dict, path: Path) -> None:
     """Errors of the held-out zigzags, before and after."""
     rows = [name for name in errors if name.startswith("held out")]
-    with style.styled():
-        drawing = style.canvas(2.6)
-        axes = drawing.subplots(1, 3)
-        for axis, (key, unit) in zip(
-            axes, (("heading", "deg"), ("position", "m"), ("yaw_rate", "deg/s")), strict=True
-        ):
-            axis.barh(
-                [name[10:] for name in rows],
-                [errors[name][key] for name in rows],
-                color=[style.colour(i) for i in range(len(rows))],
-            )
-            axis.invert_yaxis()
-            axis.set_title(f"{key.replace('_', ' ')} [{unit}]")
-            if axis is not axes[0]:
-                axis.set_yticklabels([])
-    style.save(drawing, path)
+    drawing = Figure(height=2.6)
+    axes = drawing.subplots(1, 3, sharey=True)
+    for axis, (key, unit) in zip(
+        axes, (("heading", "deg"), ("position", "m"), ("yaw_rate", "deg/s")), strict=True
+    ):
+        axis.barh(
+            range(len(rows)),
+            [errors[name][key] for name in rows],
+            color=[colour(i) for i in range(len(rows))],
+        )
+        axis.set_yticks(range(len(rows)), [name[10:] for name in rows])
+        axis.set_ylim(len(rows) - 0.5, -0.5)
+        axis.set_title(f"{key.replace('_', ' ')} [{unit}]")
+    drawing.save(path)
 
 
 if __name__ == "__main__":

@@ -43,6 +43,7 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.diagnose import captive_system, diagnose_captive
 from pmmkit.diagnosis.evidence import SHOWS
+from pmmkit.plotting import INK, Figure, Shades
 from pmmkit.reduction import View
 from scripts.studies.workers import add_workers, crew, in_order
 
@@ -56,6 +57,18 @@ TABLES = {
     ),
     2: (("full", "standard", "foreign"),),
 }
+BLUES = (
+    "#f7fbff",
+    "#deebf7",
+    "#c6dbef",
+    "#9ecae1",
+    "#6baed6",
+    "#4292c6",
+    "#2171b5",
+    "#08519c",
+    "#08306b",
+)
+"""From none to many: Blues of ColorBrewer (Harrower and Brewer, 2003)."""
 SEPARABLE = math.log(20.0)
 """Expected ln odds from which two answers can be told from each other."""
 
@@ -404,8 +417,6 @@ def written(answers: Sequence[Answer], path: Path) -> None:
 
 def drawn(answers: Sequence[Answer], path: Path) -> None:
     """Confusion matrix of the campaigns with one effect: the truth down, the best set across."""
-    import matplotlib.pyplot as plt
-
     single = [a for a in answers if len(a.job.effects) == 1]
     truths = list(dict.fromkeys(a.job.names[0] for a in single))
     said = ["noise", "suspected", "unexplained", *truths, "other", "several"]
@@ -417,8 +428,12 @@ def drawn(answers: Sequence[Answer], path: Path) -> None:
     counts = np.zeros((len(truths), len(said)))
     for a in single:
         counts[truths.index(a.job.names[0]), column(a)] += 1
-    figure, axis = plt.subplots(figsize=(13, 11), layout="constrained")
-    axis.imshow(np.sqrt(counts), cmap="Blues", aspect="auto")
+    figure = Figure(height=11.0, width=13.0)
+    axis = figure.subplots()
+    shades = Shades(levels=(0.0, float(np.sqrt(counts.max()))), colours=BLUES, smooth=True)
+    axis.mosaic(np.sqrt(counts), shades, x=-0.5, y=-0.5)
+    axis.set_ylim(len(truths) - 0.5, -0.5)
+    axis.without_grid()
     for i, j in np.argwhere(counts > 0):
         dark = counts[i, j] > 0.4 * counts.max()
         axis.text(
@@ -427,14 +442,14 @@ def drawn(answers: Sequence[Answer], path: Path) -> None:
             f"{counts[i, j]:.0f}",
             ha="center",
             va="center",
-            size=7,
-            color="white" if dark else "black",
+            fontsize=7,
+            color="white" if dark else INK,
         )
-    axis.set_xticks(range(len(said)), said, rotation=90, size=7)
-    axis.set_yticks(range(len(truths)), truths, size=7)
-    axis.set(xlabel="best set", ylabel="hidden")
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
+    axis.set_xticks(range(len(said)), said, rotation=90, fontsize=7)
+    axis.set_yticks(range(len(truths)), truths, fontsize=7)
+    axis.set_xlabel("best set")
+    axis.set_ylabel("hidden")
+    figure.save(path)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ import numpy as np
 import pmmkit as pk
 from pmmkit.campaigns import Run
 from pmmkit.models import Model
-from pmmkit.plotting import style
+from pmmkit.plotting import Figure, colour
 from pmmkit.presentation import WIDE
 from pmmkit.reduction import Parts
 from pmmkit.simulation import Track
@@ -198,36 +198,30 @@ def figure(cases: list[Case], path: Path) -> None:
         for c in cases
         if c.run.id in ("Z_10_10_S", "Z_10_10_P", "Z_20_10_S", "Z_10_05", "Z_20_05", "Z_35_05")
     ]
-    with style.styled():
-        drawing = style.canvas(7.2)
-        axes = drawing.subplots(3, 2).ravel()
-        for axis, case in zip(axes, chosen, strict=True):
-            data = case.run.data
-            t = data["t"].to_numpy() - float(data["t"][0])
-            delta = data["delta"].to_numpy()
-            start = float(t[int(np.argmax(np.abs(delta - delta[0]) > math.radians(0.5)))])
-            psi = np.degrees(np.unwrap(data["psi"].to_numpy()))
-            axis.plot(t - start, psi, color=style.colour(0), label="heading, measured")
-            axis.plot(
-                t - start,
-                np.degrees(delta),
-                color=style.colour(0),
-                lw=0.8,
-                ls=":",
-                label="rudder, measured",
-            )
-            axis.plot(
-                case.track.t,
-                np.degrees(case.track.psi),
-                color=style.colour(1),
-                ls="--",
-                label="heading, simulated",
-            )
-            axis.set_xlim(-2, min(float(t[-1]) - start, 1.15 * float(case.track.t[-1])))
-            axis.set_title(f"{case.run.id.replace('_', ' ')} [deg]")
-            axis.set_xlabel("time from the first execute [s]")
-        style.legend_below(drawing, [axes[0]], columns=3)
-    style.save(drawing, path)
+    drawing = Figure(height=7.2)
+    axes = drawing.subplots(3, 2).ravel()
+    for axis, case in zip(axes, chosen, strict=True):
+        data = case.run.data
+        t = data["t"].to_numpy() - float(data["t"][0])
+        delta = data["delta"].to_numpy()
+        start = float(t[int(np.argmax(np.abs(delta - delta[0]) > math.radians(0.5)))])
+        psi = np.degrees(np.unwrap(data["psi"].to_numpy()))
+        axis.plot(t - start, psi, color=colour(0), label="heading, measured")
+        axis.plot(
+            t - start, np.degrees(delta), color=colour(0), lw=0.8, ls=":", label="rudder, measured"
+        )
+        axis.plot(
+            case.track.t,
+            np.degrees(case.track.psi),
+            color=colour(1),
+            ls="--",
+            label="heading, simulated",
+        )
+        axis.set_xlim(-2, min(float(t[-1]) - start, 1.15 * float(case.track.t[-1])))
+        axis.set_title(f"{case.run.id.replace('_', ' ')} [deg]")
+        axis.set_xlabel("time from the first execute [s]")
+    drawing.legend_below([axes[0]], columns=3)
+    drawing.save(path)
 
 
 def main() -> None:

@@ -27,6 +27,7 @@ import numpy as np
 from pmmkit.identification import FreeRecord, Prior, identify
 from pmmkit.identification.posterior.density import DEGREES, ROUGHNESS
 from pmmkit.models import load_model
+from pmmkit.plotting import REFERENCE, Figure, colour
 from scripts.studies.workers import add_workers, as_done, crew
 from tests.support.free_tank.flow import Motion
 from tests.support.free_tank.hidden import NOTHING
@@ -236,27 +237,24 @@ def histogram(found: list[dict[str, Any]], name: str) -> np.ndarray:
     return np.bincount(ranks * BINS // (DRAWN + 1), minlength=BINS)
 
 
-def drawn(found: list[dict[str, Any]]) -> Any:
+def drawn(found: list[dict[str, Any]]) -> Figure:
     """Histograms of the ranks with the band that 99 % of the bins of a right posterior keep."""
     from scipy.stats import binom
 
-    from pmmkit.plotting import style
-
     n = len(found)
     low, high = binom.ppf([0.005, 0.995], n, 1.0 / BINS)
-    with style.styled():
-        figure = style.canvas(3.4, 7.2)
-        axes = figure.subplots(2, 3, sharey=True)
-        for axis, name in zip(axes.ravel(), found[0]["ranks"], strict=True):
-            axis.axhspan(low, high, color="#e6e6e6")
-            axis.axhline(n / BINS, color="#888888", linewidth=0.8)
-            axis.bar(np.arange(BINS) + 0.5, histogram(found, name), width=0.9)
-            axis.set_title(name.replace("_", " "))
-            axis.set_xticks([0, BINS], ["0", str(DRAWN)])
-        for axis in axes[:, 0]:
-            axis.set_ylabel("replicates")
-        for axis in axes[1]:
-            axis.set_xlabel("rank of the truth")
+    figure = Figure(height=3.4, width=7.2)
+    axes = figure.subplots(2, 3, sharey=True)
+    for axis, name in zip(axes.ravel(), found[0]["ranks"], strict=True):
+        axis.axhspan(low, high, color="#e6e6e6")
+        axis.axhline(n / BINS, color=REFERENCE, lw=0.8)
+        axis.bar(np.arange(BINS) + 0.5, histogram(found, name), width=0.9, color=colour(0))
+        axis.set_title(name.replace("_", " "))
+        axis.set_xticks([0, BINS], ["0", str(DRAWN)])
+    for axis in axes[:, 0]:
+        axis.set_ylabel("replicates")
+    for axis in axes[1]:
+        axis.set_xlabel("rank of the truth")
     return figure
 
 
@@ -272,9 +270,7 @@ def main() -> None:
         found = study(options.replicates, executor, options.seed, options.save)
     print(report(found))
     if options.figure is not None:
-        from pmmkit.plotting import save
-
-        save(drawn(found), options.figure)
+        drawn(found).save(options.figure)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.plotting import style
 from pmmkit.seakeeping.figures import over_wave_length
 
 IMAGE = Path(__file__).parents[2] / "docs" / "images" / "tanker_in_waves.png"
@@ -44,7 +43,7 @@ def main() -> None:
         "pitch / kζ": dict(zip(shown, pitch / motions.wavenumber, strict=True)),
         "R / ρgζ²B²/L": dict(zip(shown, pushed, strict=True)),
     }
-    style.save(over_wave_length(ratio, panels, longest=2.5), IMAGE)
+    over_wave_length(ratio, panels, longest=2.5).save(IMAGE)
     for heading, one, other, resistance in zip(shown, heave, pitch, pushed, strict=True):
         print(f"{heading:5} heave largest {one.max():.2f} at {ratio[one.argmax()]:.2f} L")
         print(f"      pitch/kζ largest {(other / motions.wavenumber).max():.2f}")

@@ -27,7 +27,7 @@ import pmmkit as pk
 from pmmkit.diagnosis import Together
 from pmmkit.identification import Prediction, Smoothed, free_records
 from pmmkit.models import Model
-from pmmkit.plotting import style
+from pmmkit.plotting import Figure, colour
 from pmmkit.reduction import Parts
 from scripts.studies.diagnose_hsva import WINDOW, as_executed, rms
 from scripts.studies.identify_hsva import overshoot_errors
@@ -98,21 +98,20 @@ def told(found: Intervals) -> str:
 
 def figure(found: Intervals, path: Path) -> None:
     """Intervals of the measures, a bar for each model."""
-    with style.styled():
-        drawing = style.canvas(5.2)
-        axes = drawing.subplots(4, 4).ravel()
-        for axis, ((title, measure), own) in zip(axes, found.items(), strict=False):
-            for place, (name, (mean, low, high, _)) in enumerate(own.items()):
-                axis.plot([low, high], [place, place], lw=4, alpha=0.5, color=style.colour(place))
-                axis.plot(mean, place, "o", color=style.colour(place), label=name)
-            axis.set_yticks([])
-            axis.set_ylim(len(own) - 0.5, -0.5)
-            words = measure.replace("_L", " [L]").replace("_deg", " [°]").replace("_", " ")
-            axis.set_title(f"{title.replace(', first', '')}\n{words}", fontsize=7)
-        for axis in axes[len(found) :]:
-            axis.axis("off")
-        drawing.legend(*axes[0].get_legend_handles_labels(), loc="lower right", fontsize=8)
-    style.save(drawing, path)
+    drawing = Figure(height=5.2)
+    axes = drawing.subplots(4, 4).ravel()
+    for axis, ((title, measure), own) in zip(axes, found.items(), strict=False):
+        for place, (name, (mean, low, high, _)) in enumerate(own.items()):
+            axis.plot([low, high], [place, place], lw=4, alpha=0.5, color=colour(place))
+            axis.plot(mean, place, ls="", marker="o", color=colour(place), label=name)
+        axis.set_yticks([])
+        axis.set_ylim(len(own) - 0.5, -0.5)
+        words = measure.replace("_L", " [L]").replace("_deg", " [°]").replace("_", " ")
+        axis.set_title(f"{title.replace(', first', '')}\n{words}", fontsize=7)
+    for axis in axes[len(found) :]:
+        axis.remove()
+    drawing.legend_below([axes[0]])
+    drawing.save(path)
 
 
 def evidence(found: Together) -> str:

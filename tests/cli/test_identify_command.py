@@ -23,7 +23,6 @@ from pmmkit.identification.methods import SECONDS
 from pmmkit.identification.posterior.tree import read_posterior
 from pmmkit.inference import Consistency, Innovations
 from pmmkit.inference.innovations import autocorrelation
-from pmmkit.plotting import save
 from pmmkit.views.figures import identification as drawings
 
 SHIP, SPEED = "kvlcc2-l7", 1.179
@@ -510,17 +509,17 @@ def test_figures_show_the_numbers_and_give_no_warning(compared, records, tmp_pat
             "window": drawings.window_figure(PredictedWindow.of(models, references, window=50)),
         }
         for name, figure in figures.items():
-            assert save(figure, tmp_path / f"{name}.png").stat().st_size > 10_000
+            assert figure.save(tmp_path / f"{name}.png").stat().st_size > 10_000
     (axis,) = figures["parameters"].axes
     ekf = items[0]
-    line = next(line for line in axis.lines if line.get_label() == "ekf, 95 %")
+    line = next(line for line in axis.points if line.label == "ekf, 95 %")
     expected = (ekf.values - ekf.prior.mean) / ekf.prior.std
-    np.testing.assert_allclose(line.get_xdata(), expected)
-    last = figures["history"].axes[0].lines[1].get_ydata()[-1]
+    np.testing.assert_allclose(line.x, expected)
+    last = figures["history"].axes[0].points[0].y[-1]
     assert last == pytest.approx(filtered.values[0])
     left, right = figures["window"].axes
-    assert left.get_xlabel().endswith("[-]")
-    assert right.get_ylabel().endswith("[deg]")
+    assert left.xlabel.text.endswith("[-]")
+    assert right.ylabel.text.endswith("[deg]")
     assert len(figures["innovations"].axes) == 8
 
 

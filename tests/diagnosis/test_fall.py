@@ -19,6 +19,7 @@ from pmmkit.diagnosis.loop.captive import TOLD as CAPTIVE
 from pmmkit.diagnosis.loop.fall import FallRow
 from pmmkit.diagnosis.loop.records import TOLD as RECORDS
 from pmmkit.models import Step
+from pmmkit.plotting.marks import BarSeries
 from pmmkit.views import page_of
 from tests.support.uncoupled import uncoupled
 
@@ -64,16 +65,17 @@ def test_a_step_that_lowers_nothing_is_said_so():
         "wake lowers no error of left-out records.",
     ]
     figure = fall.plot()
-    assert [axis.get_ylabel() for axis in figure.axes] == [
+    assert [axis.ylabel.text for axis in figure.shown] == [
         f"error [{unit}]" for unit in ("m", "deg", "m/s", "deg/s")
     ]
-    assert [bar.get_height() for bar in figure.axes[1].patches] == [2.0, 1.0, 1.1]
+    (bars,) = (mark for mark in figure.shown[1].marks if isinstance(mark, BarSeries))
+    assert bars.length.tolist() == [2.0, 1.0, 1.1]
 
 
 def test_what_was_not_measured_is_not_told():
     fall = of_records({"base": {"heading": 1.0}})
     assert fall.quantities() == ("heading",)
-    assert len(fall.plot().axes) == 1
+    assert len(fall.plot().shown) == 1
     assert list(page_of(fall)["steps"][0]["channels"]) == ["heading"]
     told = fall.to_pandas()
     assert told["heading"][0] == 1.0
@@ -111,10 +113,7 @@ def test_a_step_that_a_campaign_is_not_asked_for_leaves_its_errors():
     assert [row[1:] for row in group.rows] == [
         *(["3", "5"], ["2", "5"], ["2", ""], ["", "6"], ["0.5", ""])
     ]
-    assert [axis.get_title(loc="left") for axis in fall.plot().axes] == [
-        "one: heading",
-        "two: heading",
-    ]
+    assert [axis.title.text for axis in fall.plot().shown] == ["one: heading", "two: heading"]
     page = page_of(fall)["campaigns"]
     assert [item["title"] for item in page] == ["one", "two"]
     assert [step["step"] for step in page[1]["steps"]] == list(fall.steps)

@@ -61,4 +61,4 @@ def test_a_spring_of_the_wall_that_is_called_memory_varies_with_the_frequency():
     found = diagnose_captive(hidden_campaign("full", {"outside_wall_spring": 1.0}, seed=8700), BASE)
     assert found.best == ("memory",)
     assert over(found, "frequency").varies
-    assert found.plot_homogeneity().axes[0].get_title(loc="left") == "Memory"
+    assert found.plot_homogeneity().axes[0].title.text == "Memory"

@@ -17,6 +17,7 @@ from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.fits import at_place, having
 from pmmkit.diagnosis.record_figures import before_and_after
 from pmmkit.identification import Prior
+from pmmkit.plotting.marks import Rule
 from pmmkit.views import page_of, write_report
 from tests.support.recorded import recorded
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
@@ -215,13 +216,13 @@ def test_records_are_drawn_as_they_were_measured_and_sailed(added, records):
     figure = before_and_after(drawn)
     axes = np.array(figure.axes).reshape(4, 2)
     for axis, item in zip(axes[1], drawn, strict=True):
-        measured, *models = axis.lines
+        measured, *models = axis.points
         own = next(x for x in records if x.name == item.name)
-        np.testing.assert_array_equal(measured.get_ydata(), np.degrees(own.measured["psi"]))
+        np.testing.assert_array_equal(measured.y, np.degrees(own.measured["psi"]))
         assert len(models) == 2
         for line in models:
-            assert np.isnan(line.get_ydata()).sum() == len(item.begins) - 1
-    assert {axis.get_ylabel() for axis in axes[:, 0]} >= {"heading [deg]", "yaw rate [deg/s]"}
+            assert np.isnan(line.y).sum() == len(item.begins) - 1
+    assert {axis.ylabel.text for axis in axes[:, 0]} >= {"heading [deg]", "yaw rate [deg/s]"}
 
 
 @pytest.mark.slow
@@ -237,8 +238,9 @@ def test_what_noise_alone_gives_stands_beside_the_error(added, found):
     assert f" with noise of {finding.error_level:.3g}" in str(found)
     assert found.errors["left out, noise alone"]["heading"] == finding.error_level
     assert "noise alone" in str(fall)
-    drawn = fall.plot().axes[fall.quantities().index("heading")]
-    assert drawn.lines[0].get_ydata()[0] == level
+    drawn = fall.plot().shown[fall.quantities().index("heading")]
+    (rule,) = (mark for mark in drawn.marks if isinstance(mark, Rule))
+    assert rule.at == level
     shown = [step["level"] for step in page_of(fall)["steps"]]
     assert shown == pytest.approx([level] * 2, rel=1e-4)
 

@@ -95,7 +95,7 @@ def test_the_fall_of_several_prints_and_is_data(session):
     table = fall.to_pandas()
     assert set(table.campaign) == {"turned", "straight"}
     assert fall.steps == ("base", "yaw_sway_coupling")
-    assert len(fall.plot().axes) == 2
+    assert len(fall.plot().shown) == 2
     assert fall.useless == ()
     assert fall.by_campaign["turned"] == fall.totals
 

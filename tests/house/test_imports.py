@@ -60,6 +60,15 @@ def test_rooms_load_heavy_packages_only_when_used(module):
     assert heavy_among(loaded_by(f"import {module}")) == []
 
 
+def test_figures_are_drawn_without_matplotlib():
+    code = """from pmmkit.plotting import *
+axis = (figure := Figure()).subplots()
+axis.plot([0, 1], [0, 1], color="#000000", label="both")
+figure.legend_below([axis])
+assert "both" in figure.svg()"""
+    assert heavy_among(loaded_by(code)) == []
+
+
 def test_the_command_line_loads_typer_and_nothing_else_heavy():
     modules = loaded_by("from pmmkit.cli.app import application\napplication()")
     assert {"pmmkit.actions.jobs.demo", "pmmkit.actions.jobs.trial"} <= modules

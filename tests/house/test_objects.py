@@ -12,7 +12,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 import pmmkit as pk
 from pmmkit.diagnosis import Fall
@@ -22,6 +21,7 @@ from pmmkit.effects import CATALOGUE
 from pmmkit.identification import Trial
 from pmmkit.identification.trials.table import Wind
 from pmmkit.models import Part, Step
+from pmmkit.plotting import Figure
 from pmmkit.presentation import Described
 from pmmkit.reduction import Parts
 from pmmkit.seakeeping import Loading, Operability, RollDamping, superposed
@@ -447,13 +447,17 @@ def test_plot_gives_a_figure(name):
 
 
 @pytest.mark.slow
-def test_plots_leave_pyplot_alone():
+def test_plots_need_no_matplotlib_and_pictures_leave_its_settings_alone(tmp_path):
     code = f"""
-import sys, matplotlib, pmmkit
+import sys, pmmkit
+figure = pmmkit.simulate({SHIP!r}, speed=9.0, compiled=False).plot()
+assert figure._repr_svg_()
+assert "matplotlib" not in sys.modules
+import matplotlib
 def looks():
     return {{name: matplotlib.rcParams[name] for name in matplotlib.rcParams if name != "backend"}}
 before = looks()
-pmmkit.simulate({SHIP!r}, speed=9.0, compiled=False).plot()
+figure.save({str(tmp_path / "turn.png")!r})
 assert looks() == before
 assert "matplotlib.pyplot" not in sys.modules
 """

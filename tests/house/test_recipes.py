@@ -26,12 +26,10 @@ CODE = re.compile(r"^```python\n(.*?)^```", re.S | re.M)
 COMMAND = re.compile(r"^    pmmkit (.*)$", re.M)
 TYPED = """
 import sys
-import pmmkit.views.figures.captions
 from pmmkit.cli import main
-pmmkit.views.figures.captions.svg = lambda figure, **_: "<svg></svg>"
 sys.exit(main(sys.argv[1:]))
 """
-"""A command as it is typed, but for the pictures of its report, at which no recipe looks."""
+"""A command as it is typed."""
 
 
 @pytest.fixture

@@ -899,13 +899,13 @@ def test_figures_show_both_paths(many):
     for trial in many[0]:
         figure = trial.plot()
         (axis,) = figure.axes
-        assert "IMO at most" in axis.get_title(loc="left")
-        labels = axis.get_legend_handles_labels()[1]
+        assert "IMO at most" in axis.title.text
+        labels = {line.label for line in axis.points}
         if trial.manoeuvre != "zigzag":
-            assert {"as measured, over ground", "current removed"} <= set(labels)
-            assert axis.get_aspect() == 1.0
+            assert {"as measured, over ground", "current removed"} <= labels
+            assert axis.equal == "datalim"
     alone = replace(many[0][0], current=None)
-    assert "current removed" not in alone.plot().axes[0].get_legend_handles_labels()[1]
+    assert "current removed" not in {line.label for line in alone.plot().axes[0].points}
 
 
 def test_a_mean_current_names_its_runs_in_full():

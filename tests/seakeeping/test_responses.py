@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pmmkit.base import DataError, UnknownNameError
+from pmmkit.plotting.layout import laid_out
 from pmmkit.seakeeping import (
     Operability,
     Place,
@@ -22,6 +24,7 @@ from pmmkit.seakeeping import (
     response,
     sea,
 )
+from pmmkit.seakeeping.figures import polar
 from pmmkit.seakeeping.operating_limits import LIMITS
 from pmmkit.seakeeping.responses import incidence_in_waves, moments
 from pmmkit.seakeeping.second_order.added_resistance import ResistanceParticulars, snnm, stawave2
@@ -264,8 +267,40 @@ def test_the_picture_of_motions_shows_the_greatest_speed_and_head_seas():
     few = np.array([0.4, 0.6, 0.9])
     found = rao(SHIP, speeds=(0.0, 4.0, 8.0), headings_deg=np.arange(0, 181, 30), omega=few)
     figure = found.plot()
-    shown = {line.get_label() for line in figure.axes[0].get_lines()}
+    shown = {line.label for line in figure.axes[0].points}
     ends = {(speed, heading) for speed in ("0.00", "8.00") for heading in ("0°", "180°")}
     assert len(shown) == 8
     assert ends <= {(text.split()[0], text.split()[-1]) for text in shown}
     assert not any(text.startswith("4.00") for text in shown)
+
+
+def test_around_a_ship_the_bow_is_up_and_port_mirrors_starboard():
+    figure = polar(
+        np.array([0.0, 90.0, 180.0]),
+        {"8.00 m/s": np.array([1.0, 2.0, 0.5])},
+        limit=1.5,
+        label="largest value over its limit",
+    )
+    (axis,) = figure.axes
+    curves = {line.label: np.stack([line.x, line.y], axis=1) for line in axis.points if line.label}
+    seas = [(0.0, 0.5), (2.0, 0.0), (0.0, -1.0)]
+    mirrored = [(0.0, -1.0), (-2.0, 0.0), (0.0, 0.5)]
+    assert curves["8.00 m/s"] == pytest.approx(np.array(seas + mirrored), abs=1e-12)
+    assert np.hypot(*curves["limit"].T) == pytest.approx(1.5)
+    for words in axis.words:
+        if words.text.endswith("°"):
+            bearing = np.degrees(np.arctan2(words.x, words.y)) % 360
+            assert bearing == pytest.approx(float(words.text[:-1]), abs=1e-9)
+        else:
+            assert np.hypot(words.x, words.y) == pytest.approx(float(words.text))
+    scene = laid_out(figure)
+    (frame,) = scene.frames
+    (left, right), (low, high) = frame.x, frame.y
+    assert frame.box.width / (right - left) == pytest.approx(frame.box.height / (high - low))
+    for one, other in combinations([own.box for own in scene.letters], 2):
+        assert (
+            one.right <= other.left
+            or other.right <= one.left
+            or one.bottom <= other.top
+            or other.bottom <= one.top
+        )

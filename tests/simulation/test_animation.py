@@ -14,6 +14,8 @@ from PIL import Image, ImageChops
 import pmmkit as pk
 from pmmkit.base import DataError
 from pmmkit.cli import main
+from pmmkit.plotting import Figure
+from pmmkit.plotting.animation import _water
 
 
 @pytest.fixture(scope="module")
@@ -72,8 +74,8 @@ def test_forces_over_time_stand_in_a_table_and_a_figure(turn):
     assert list(table)[:4] == ["t", "X_derivatives", "Y_derivatives", "N_derivatives"]
     assert (table["N_rudder_mmg"] == turn.forces["rudder_mmg"][2]).all()
     drawn = turn.figures()["forces"].axes
-    assert [axis.get_title(loc="left") for axis in drawn] == ["X [N]", "Y [N]", "N [N m]"]
-    assert {line.get_label() for line in drawn[0].lines} >= {"sum", "Propeller", "Rudder (MMG)"}
+    assert [axis.title.text for axis in drawn] == ["X [N]", "Y [N]", "N [N m]"]
+    assert {line.label for line in drawn[0].points} >= {"sum", "Propeller", "Rudder (MMG)"}
     assert "forces" not in replace(turn, forces={}).figures()
     assert replace(turn, forces={}).forces_to_pandas().empty
 
@@ -100,6 +102,15 @@ def test_each_picture_shows_another_instant(turn, tmp_path):
     assert ImageChops.difference(*forces).getbbox()
     edges = [item.crop((0, height - 70, width, height)) for item in seen]
     assert not any(ImageChops.difference(edges[0], item).getbbox() for item in edges)
+
+
+def test_the_water_that_is_shown_holds_the_ship_wherever_she_is(turn):
+    axis = Figure().subplots()
+    _water(axis, turn)
+    for side, own in (("x", turn.y), ("y", turn.x)):
+        low, high = axis.limits(side)
+        assert low <= own.min() / turn.L - 0.6
+        assert high >= own.max() / turn.L + 0.6
 
 
 def test_a_measured_track_is_animated_without_forces(turn, tmp_path):

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 
-def blank(_: Any, **_how: Any) -> str:
+def blank(*_: Any) -> str:
     """Stands for a figure."""
     return "<svg></svg>"
 
@@ -18,6 +18,5 @@ def blank(_: Any, **_how: Any) -> str:
 def without_pictures() -> Iterator[None]:
     """Figures are not drawn: that takes most of the time of a report."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pmmkit.views.figures.captions.svg", blank)
-        patch.setattr("pmmkit.plotting.style.svg", blank)
+        patch.setattr("pmmkit.plotting.figure.svg", blank)
         yield

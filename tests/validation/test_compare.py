@@ -11,7 +11,6 @@ import pytest
 import small_campaign
 import xarray as xr
 from hidden_effects import BASE, hidden_campaign
-from matplotlib.container import BarContainer
 
 import pmmkit as pk
 from pmmkit import Campaign, Run, begin, errors_in_percent
@@ -19,6 +18,7 @@ from pmmkit.base import DataError, ModelError, UnknownNameError
 from pmmkit.campaigns import Settings, TypeB
 from pmmkit.inference import COVERAGE
 from pmmkit.models import Part
+from pmmkit.plotting.marks import BarSeries
 from pmmkit.reduction import View
 from pmmkit.reduction.observations.views import repeat_scatter
 from pmmkit.validation.captive import compare_captive
@@ -862,9 +862,9 @@ def test_every_figure_of_captive_tests_says_what_and_in_which_unit(lacking):
     assert set(figures) == {"misfit", *drawn}
     for name in drawn:
         for axis in figures[name].axes:
-            for text in (axis.get_xlabel(), axis.get_ylabel()):
+            for text in (axis.xlabel.text, axis.ylabel.text):
                 assert not text or text.endswith("]")
-    texts = {text.get_text() for axis in figures["misfit"].axes for text in axis.texts}
+    texts = {text.text for axis in figures["misfit"].axes for text in axis.words}
     loudest = max(cell.ratio for cell in lacking.cells())
     assert f"{loudest:.0f}" in texts
 
@@ -877,17 +877,13 @@ def test_bars_of_errors_are_those_of_the_rows_over_the_rms_force(lacking):
     whole = pd.DataFrame(lacking.rows()).query("channel == 'N'")["measured"]
     expected = 100 * np.sqrt(np.mean(fastest["error"] ** 2) / np.mean(whole**2))
     axis = errors_beside_uncertainty(lacking).axes[2]
-    assert axis.get_title(loc="left") == "N"
-    names = [label.get_text() for label in axis.figure.axes[0].get_yticklabels()]
+    assert axis.title.text == "N"
+    names = axis.yticks.labels
     place = names.index("yaw with drift, Fn 0.290")
-    lengths = {
-        round(bar.get_y() + bar.get_height() / 2): bar.get_width()
-        for container in axis.containers
-        if isinstance(container, BarContainer)
-        for bar in container
-    }
+    bars = [mark for mark in axis.marks if isinstance(mark, BarSeries)]
+    lengths = {at: x for own in bars for at, x in zip(own.place, own.length, strict=True)}
     assert lengths[place] == pytest.approx(expected, rel=1e-6)
-    beyond = {container.get_label(): len(container) for container in axis.containers}
+    beyond = {own.label: len(own.place) for own in bars}
     assert beyond["E beyond $U_V$"] + beyond["E within $U_V$"] == len(names)
     assert beyond["E beyond $U_V$"] >= 3
 
@@ -897,24 +893,24 @@ def test_residuals_are_parted_by_kind_of_test_and_speed(lacking):
     figure = residuals_over(lacking)
     kinds = list(dict.fromkeys(run.view.run.test for run in lacking.captive))
     assert len(figure.axes) == 3 * len(kinds)
-    heads = [axis.get_title(loc="left") for axis in figure.axes[: len(kinds)]]
+    heads = [axis.title.text for axis in figure.axes[: len(kinds)]]
     assert heads == ["static drift", "pure sway", "pure yaw", "yaw with drift"]
     drift = figure.axes[0]
-    assert [item.get_label() for item in drift.containers] == ["Fn 0.145", "Fn 0.217", "Fn 0.290"]
-    points = drift.containers[0][0]
+    assert [item.label for item in drift.points] == ["Fn 0.145", "Fn 0.217", "Fn 0.290"]
+    points = drift.points[0]
     runs = [r for r in lacking.captive if r.view.run.test == "static_drift" and r.Fn < 0.15]
     lengths = 0.5 * lacking.water.rho * lacking.ship.L**2
     error = [1e3 * float(r.error("X")[0]) / (lengths * r.view.speed**2) for r in runs]
-    np.testing.assert_allclose(points.get_ydata(orig=False), error, rtol=1e-9)
-    assert figure.axes[-len(kinds)].get_xlabel() == "sway velocity v' [-]"
+    np.testing.assert_allclose(points.y, error, rtol=1e-9)
+    assert figure.axes[-len(kinds)].xlabel.text == "sway velocity v' [-]"
 
 
 def test_the_measured_loop_is_that_of_its_harmonics(s175, truth):
     runs, _ = compare_captive(truth, s175.select("pure_sway"), floor=0.005)
     (run,) = worst_of_each_test(runs)
     axis = loops([run]).axes[1]
-    assert axis.get_ylabel() == "Y [N]"
-    v, Y = axis.lines[0].get_data()
+    assert axis.ylabel.text == "Y [N]"
+    v, Y = axis.points[0].x, axis.points[0].y
     amplitude = run.view.run.settings.amplitude * run.view.omega
     assert np.max(v) == pytest.approx(amplitude, rel=0.02)
     assert np.mean(Y[:-1]) == pytest.approx(run.view.force["Y"][0], abs=1e-9)
@@ -924,7 +920,7 @@ def test_the_measured_loop_is_that_of_its_harmonics(s175, truth):
 def test_figures_of_free_running_tests(tanker, sea):
     figures = comparison_figures(pk.compare(tanker, sea))
     assert set(figures) == {"sailed", "force_residuals", "turning_circles", "zigzag"}
-    assert [axis.get_ylabel() for axis in figures["force_residuals"].axes][::2] == [
+    assert [axis.ylabel.text for axis in figures["force_residuals"].axes][::2] == [
         "X [N]",
         "Y [N]",
         "N [N m]",

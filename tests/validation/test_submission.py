@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from scenes import overlap
 
 import pmmkit as pk
 from pmmkit import Campaign, Run, compare_submission, errors_in_percent
@@ -18,6 +19,8 @@ from pmmkit.cli import main
 from pmmkit.conventions import Ship, Water
 from pmmkit.identification import Trial
 from pmmkit.models import from_values, write_table
+from pmmkit.plotting.layout import laid_out
+from pmmkit.plotting.marks import BarSeries
 from pmmkit.views import derivative_bars
 from pmmkit.views.figures.comparison import overlays
 from pmmkit.views.figures.workshop import forces_over_phase, static_forces
@@ -160,19 +163,26 @@ def test_figures_show_the_coefficients_and_the_uncertainty():
     found = compare_submission(S, D)
     figure = static_forces(found)
     sway_force = figure.axes[1]
-    (line,) = [item for item in sway_force.lines if item.get_linestyle() == "--"]
-    assert line.get_xdata() == pytest.approx([0.0, 8.0])
-    assert line.get_ydata() == pytest.approx([0.0, 1e3 * 84.0 / UNIT])
-    (container,) = sway_force.containers
-    low, high = container.lines[2][0].get_segments()[1][:, 1]
+    (line,) = [item for item in sway_force.points if item.dash == "--"]
+    assert line.x == pytest.approx([0.0, 8.0])
+    assert line.y == pytest.approx([0.0, 1e3 * 84.0 / UNIT])
+    (points,) = [item for item in sway_force.points if item.y_error is not None]
+    low, high = points.y[1] + points.y_error[:, 1] * [-1.0, 1.0]
     assert (low, high) == pytest.approx((1e3 * 76.0 / UNIT, 1e3 * 84.0 / UNIT))
-    assert figure.axes[-1].get_xlabel() == "drift angle β [deg]"
-    told = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert figure.axes[-1].xlabel.text == "drift angle β [deg]"
+    scene = laid_out(figure)
+    told = [own.text for own in scene.letters if overlap(own.box, scene.legend)]
     assert sorted(told) == ["Fn 0.192", "S of somebody", "measured, with $U_D$"]
     cycle = forces_over_phase(found, [run for run in found.captive if run.view.run.dynamic])
-    before, after = cycle.axes[0].lines
-    assert before.get_ydata()[30] == pytest.approx(1e3 * (1.0 + 60.0) / UNIT)
-    assert after.get_ydata() == pytest.approx(before.get_ydata())
+    before, after = cycle.axes[0].points
+    assert before.y[30] == pytest.approx(1e3 * (1.0 + 60.0) / UNIT)
+    assert after.y == pytest.approx(before.y)
+
+
+def heights(axis):
+    """Of all bars of some axes."""
+    bars = (mark for mark in axis.marks if isinstance(mark, BarSeries))
+    return [height for own in bars for height in own.length.tolist()]
 
 
 def test_bars_of_derivatives_have_the_values_and_intervals():
@@ -180,10 +190,10 @@ def test_bars_of_derivatives_have_the_values_and_intervals():
         from_values({"Yv": x, "Yvvv": 9 * x}, std={"Yv": 0.01}, ship=SHIP, water=Water())
         for x in (-0.2, -0.3)
     )
-    first, higher = derivative_bars({"tank": D, "CFD": S}).axes
-    assert [bar.get_height() for bar in first.patches] == pytest.approx([-200.0, -300.0])
-    assert [bar.get_height() for bar in higher.patches] == pytest.approx([-1800.0, -2700.0])
-    low, high = first.containers[0].lines[2][0].get_segments()[0][:, 1]
+    first, higher = derivative_bars({"tank": D, "CFD": S}).shown
+    assert heights(first) == pytest.approx([-200.0, -300.0])
+    assert heights(higher) == pytest.approx([-1800.0, -2700.0])
+    low, high = first.points[0].y[0] + first.points[0].y_error[:, 0] * [-1.0, 1.0]
     assert (low, high) == pytest.approx((-219.6, -180.4), abs=0.1)
     with pytest.raises(TableError, match="at least two"):
         derivative_bars({"tank": D})
@@ -195,10 +205,11 @@ def test_bars_of_derivatives_show_each_froude_number():
         {"Yv": [-0.1, -0.2, -0.3, -0.4]}, Fn=[0.1, 0.2, 0.3, 0.4], ship=SHIP, water=Water()
     )
     S = from_values({"Yv": -0.25}, ship=SHIP, water=Water())
-    axes = derivative_bars({"tank": D, "CFD": S}).axes
-    assert [axis.get_title(loc="left") for axis in axes] == [f"Fn 0.{k}00" for k in (1, 2, 3, 4)]
-    heights = [[bar.get_height() for bar in axis.patches] for axis in axes]
-    assert heights == [pytest.approx([-100.0 * k, -250.0]) for k in (1, 2, 3, 4)]
+    axes = derivative_bars({"tank": D, "CFD": S}).shown
+    assert [axis.title.text for axis in axes] == [f"Fn 0.{k}00" for k in (1, 2, 3, 4)]
+    assert [heights(axis) for axis in axes] == [
+        pytest.approx([-100.0 * k, -250.0]) for k in (1, 2, 3, 4)
+    ]
 
 
 def manoeuvre(test, rudder, track):
@@ -228,12 +239,13 @@ def test_tracks_lie_over_each_other():
     )
     assert list(found) == ["turning_circles", "zigzag"]
     measured, simulated = (
-        next(line for line in found["turning_circles"].axes[0].lines if said in line.get_label())
+        next(line for line in found["turning_circles"].axes[0].points if said in line.label)
         for said in ("T, measured", "T, simulated")
     )
-    assert measured.get_xydata() == pytest.approx(simulated.get_xydata())
-    one, two = found["zigzag"].axes[1].lines[:2]
-    assert one.get_ydata() == pytest.approx(two.get_ydata(), abs=0.05)
+    assert measured.x == pytest.approx(simulated.x)
+    assert measured.y == pytest.approx(simulated.y)
+    one, two = found["zigzag"].axes[1].points[:2]
+    assert one.y == pytest.approx(two.y, abs=0.05)
     assert overlays([], other="simulated") == {}
 
 

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from matplotlib.figure import Figure
 from pictures import without_pictures
 
 import pmmkit as pk
@@ -23,6 +22,7 @@ from pmmkit.base import CampaignError, DataError, UnknownNameError
 from pmmkit.campaigns import CampaignFile, campaign_of
 from pmmkit.cli import main
 from pmmkit.exports.campaign_csv import campaign_text
+from pmmkit.plotting import Figure
 from pmmkit.presentation import Grid, Group, Section, Symbol
 from pmmkit.views import captive_document, write_report
 from pmmkit.views.figures.captions import drawn
@@ -57,8 +57,8 @@ def told(reduced):
 @pytest.fixture
 def small():
     """A report by hand: a cover, a table with a derivative, a figure."""
-    figure = Figure(figsize=(2.0, 1.0))
-    figure.subplots().plot([0.0, 1.0])
+    figure = Figure(height=1.0, width=2.0)
+    figure.subplots().plot([0.0, 1.0], [0.0, 1.0], color="#000000")
     table = Grid(
         head=["", "Fn 0.2"],
         groups=[Group(title="Yaw", rows=[[Symbol("N′", "vvr"), "-49.9 ± 1.0"], ["Nr", None]])],

@@ -10,12 +10,15 @@ from dataclasses import replace
 import matplotlib as mpl
 import numpy as np
 import pytest
+from scenes import overlap
 from small_campaign import RHO, TRUTH, L, forces, write_campaign
 
 import pmmkit
 from pmmkit.base import DataError, TableError
 from pmmkit.conventions import Ship, Water
-from pmmkit.plotting import save, style, svg, trajectory
+from pmmkit.plotting import style, trajectory
+from pmmkit.plotting.layout import laid_out
+from pmmkit.plotting.marks import Area, Polygons, Rule
 from pmmkit.plotting.turns import turn_histories
 from pmmkit.simulation import measures_over_froude
 from pmmkit.views import beside_reference
@@ -57,11 +60,6 @@ def reduction(tmp_path_factory):
     return pmmkit.reduce_campaign(pmmkit.open_campaign(folder))
 
 
-def drawn(figure):
-    """The axes that are shown."""
-    return [axis for axis in figure.axes if axis.axison]
-
-
 def static(speed, degrees):
     beta = np.radians(degrees)
     still = np.zeros_like(beta)
@@ -75,17 +73,22 @@ def points_at(froude, degrees):
     return DriftPoints(froude=froude, drift=np.radians(degrees), force=force, std=std)
 
 
+def measured(axis):
+    """The points of an axis that have intervals."""
+    return next(line for line in axis.points if line.y_error is not None)
+
+
 def test_points_over_drift_are_the_forces_made_non_dimensional():
     degrees = [-10.0, 0.0, 5.0, 10.0]
     table = pmmkit.from_values(TRUTH, ship=SHIP, water=WATER, Fn=[0.2])
     figure = forces_over_drift([points_at(0.2, degrees)], table)
     for axis, channel in zip(figure.axes, "XYN", strict=True):
-        shown = axis.containers[0][0].get_ydata()
+        shown = measured(axis)
         speed = SHIP.speed(0.2)
         unit = 0.5 * RHO * L**2 * speed**2 * (L if channel == "N" else 1.0)
         expected = 1e3 * static(speed, np.array(degrees))[channel] / unit
-        np.testing.assert_allclose(shown, expected, rtol=1e-12)
-        np.testing.assert_allclose(axis.containers[0][0].get_xdata(), degrees, rtol=1e-12)
+        np.testing.assert_allclose(shown.y, expected, rtol=1e-12)
+        np.testing.assert_allclose(shown.x, degrees, rtol=1e-12)
 
 
 def test_the_curve_of_the_true_derivatives_passes_through_noise_free_points():
@@ -93,18 +96,18 @@ def test_the_curve_of_the_true_derivatives_passes_through_noise_free_points():
     table = pmmkit.from_values(TRUTH, ship=SHIP, water=WATER, Fn=[0.2])
     figure = forces_over_drift([points_at(0.2, degrees)], table)
     for axis in figure.axes:
-        curve = next(line for line in axis.lines if len(line.get_xdata()) > 50)
-        x, y = axis.containers[0][0].get_data()
-        between = np.interp(x, *curve.get_data())
-        np.testing.assert_allclose(between, y, atol=2e-3 * np.ptp(y))
+        curve = next(line for line in axis.points if len(line.x) > 50)
+        shown = measured(axis)
+        between = np.interp(shown.x, curve.x, curve.y)
+        np.testing.assert_allclose(between, shown.y, atol=2e-3 * np.ptp(shown.y))
 
 
 def test_the_band_is_the_uncertainty_of_the_force():
     known = {"Yv": TRUTH["Yv"]}
     table = pmmkit.from_values(known, std={"Yv": 1e-4}, ship=SHIP, water=WATER, Fn=[0.2])
     figure = forces_over_drift([points_at(0.2, [0.0, 10.0])], table, channels=["Y"])
-    band = figure.axes[0].collections[0].get_paths()[0].vertices
-    widest = max(np.ptp(band[np.isclose(band[:, 0], x)][:, 1]) for x in np.unique(band[:, 0]))
+    (band,) = (mark for mark in figure.axes[0].marks if isinstance(mark, Area))
+    widest = np.max(band.high - band.low)
     furthest = math.sin(math.radians(10.3))
     assert widest == pytest.approx(2 * 1.96 * 1e3 * 1e-4 * furthest, rel=1e-3)
 
@@ -117,8 +120,8 @@ def test_thrust_lifts_the_curve_of_the_surge_force():
     heights = []
     for points in (plain, replace(plain, thrust=thrust)):
         figure = forces_over_drift([points], table, channels=["X"])
-        curve = next(line for line in figure.axes[0].lines if len(line.get_xdata()) > 50)
-        heights.append(curve.get_ydata())
+        curve = next(line for line in figure.axes[0].points if len(line.x) > 50)
+        heights.append(curve.y)
     unit = 0.5 * RHO * L**2 * SHIP.speed(0.2) ** 2
     np.testing.assert_allclose(heights[1] - heights[0], 1e3 * 0.8 * 7.0 / unit, rtol=1e-9)
 
@@ -126,17 +129,16 @@ def test_thrust_lifts_the_curve_of_the_surge_force():
 @pytest.mark.slow
 def test_derivatives_over_froude_show_values_and_intervals(table):
     figure = derivatives_over_froude(table, reference=TRUTH, reference_name="truth")
-    axes = drawn(figure)
+    axes = figure.shown
     assert len(axes) == len(TRUTH)
     for axis, name in zip(axes, table.names, strict=True):
-        line, _, bars = axis.containers[0]
-        np.testing.assert_allclose(line.get_xdata(), FN)
-        np.testing.assert_allclose(line.get_ydata(), 1e3 * table[name], rtol=1e-12)
-        ends = np.array([part[:, 1] for part in bars[0].get_segments()])
+        line = measured(axis)
+        np.testing.assert_allclose(line.x, FN)
+        np.testing.assert_allclose(line.y, 1e3 * table[name], rtol=1e-12)
         half = 1.959964 * 0.02 * abs(TRUTH[name]) * 1e3
-        np.testing.assert_allclose(np.ptp(ends, axis=1), 2 * half, rtol=1e-4)
-        reference = next(line for line in axis.lines if line.get_label() == "truth")
-        np.testing.assert_allclose(reference.get_ydata(), 1e3 * TRUTH[name])
+        np.testing.assert_allclose(line.y_error, half, rtol=1e-4)
+        reference = next(line for line in axis.points if line.label == "truth")
+        np.testing.assert_allclose(reference.y, 1e3 * TRUTH[name])
 
 
 @pytest.mark.slow
@@ -145,9 +147,9 @@ def test_a_derivative_without_values_is_left_out_or_said_to_be_unknown(table):
     value[:, table.index("Nvrr")] = np.nan
     partly = table.with_(value=value)
     figure = derivatives_over_froude(partly)
-    assert len(drawn(figure)) == len(TRUTH) - 1
+    assert len(figure.shown) == len(TRUTH) - 1
     asked = derivatives_over_froude(partly, names=["Nvrr"])
-    assert "not determined" in drawn(asked)[0].texts[0].get_text()
+    assert "not determined" in asked.shown[0].words[0].text
 
 
 def test_a_pooled_table_has_nothing_to_draw_over_froude():
@@ -161,15 +163,15 @@ def test_beside_a_reference_values_stand_as_ratios(table):
     axis = figure.axes[1]
     names = [name for name in table.names if name[0] == "Y"]
     for row, ratio in enumerate((1.0, 1.1, 1.2)):
-        shown = axis.lines[row].get_xdata()
+        shown = axis.points[row].x
         np.testing.assert_allclose(shown, np.full(len(names), ratio), rtol=1e-12)
-    assert len(axis.get_yticks()) == len(names)
+    assert len(axis.yticks.at) == len(names)
 
 
 def test_what_lies_outside_the_axis_is_marked_with_its_number(table):
     odd = {**TRUTH, "Nvvv": TRUTH["Nvvv"] / 50}
     figure = beside_reference(table, odd)
-    texts = [text.get_text() for axis in figure.axes for text in axis.texts]
+    texts = [text.text for axis in figure.axes for text in axis.words]
     assert {"50", "55", "60"} <= set(texts)
 
 
@@ -181,15 +183,15 @@ def test_nothing_in_common_is_refused(table):
 def test_trajectory_in_ship_lengths_marks_advance_and_diameter(track):
     figure = trajectory([track])
     axis = figure.axes[0]
-    path = axis.lines[0]
-    np.testing.assert_allclose(path.get_xdata(), track.y / track.L)
-    np.testing.assert_allclose(path.get_ydata(), track.x / track.L)
-    quarter, half = axis.lines[1], axis.lines[2]
-    assert quarter.get_ydata()[0] == pytest.approx(track.metrics["advance_L"], abs=0.02)
-    assert quarter.get_xdata()[0] == pytest.approx(track.metrics["transfer_L"], abs=0.05)
-    assert half.get_xdata()[0] == pytest.approx(track.metrics["tactical_diameter_L"], abs=0.02)
-    assert axis.get_aspect() == 1.0
-    words = " ".join(text.get_text() for text in axis.texts)
+    path = axis.points[0]
+    np.testing.assert_allclose(path.x, track.y / track.L)
+    np.testing.assert_allclose(path.y, track.x / track.L)
+    quarter, half = axis.points[1], axis.points[2]
+    assert quarter.y[0] == pytest.approx(track.metrics["advance_L"], abs=0.02)
+    assert quarter.x[0] == pytest.approx(track.metrics["transfer_L"], abs=0.05)
+    assert half.x[0] == pytest.approx(track.metrics["tactical_diameter_L"], abs=0.02)
+    assert axis.equal
+    words = " ".join(text.text for text in axis.words)
     assert f"tactical diameter {track.metrics['tactical_diameter_L']:.2f} L" in words
 
 
@@ -198,42 +200,41 @@ def test_a_figure_tells_the_measures_of_its_track(dt):
     """However far its samples lie apart: transfer is 1.27 L, and 1.42 L at the sample after."""
     turn = pmmkit.simulate("kvlcc2", speed=7.97, dt=dt, compiled=False)
     axis = trajectory([turn]).axes[0]
-    words = {text.get_text() for text in axis.texts}
+    words = {text.text for text in axis.words}
     for name in ("advance", "transfer", "tactical diameter"):
         assert f"{name} {turn.metrics[name.replace(' ', '_') + '_L']:.2f} L" in words
-    quarter, half = axis.lines[1], axis.lines[2]
+    quarter, half = axis.points[1], axis.points[2]
     most = 0.002 if dt is None else 0.05
     for line, names in ((quarter, ("transfer_L", "advance_L")), (half, ("tactical_diameter_L",))):
-        for at, name in zip((line.get_xdata()[0], line.get_ydata()[0]), names, strict=False):
+        for at, name in zip((line.x[0], line.y[0]), names, strict=False):
             assert at == pytest.approx(turn.metrics[name], abs=most)
 
 
 def test_outlines_of_the_ship_are_one_length_long(track):
     figure = trajectory([track])
-    for patch in figure.axes[0].patches:
-        corners = patch.get_xy()
+    ships = [mark for mark in figure.axes[0].marks if isinstance(mark, Polygons)]
+    assert ships
+    for corners in np.concatenate([ship.corners for ship in ships]):
         spread = np.linalg.norm(corners[:, None] - corners[None], axis=2).max()
         assert spread == pytest.approx(1.0, rel=0.01)
 
 
 def test_a_turn_to_port_is_the_mirror_image(track):
     port = pmmkit.simulate("s175-3dof", speed=9.0, rudder_deg=-35, compiled=False)
-    lines = [trajectory([item]).axes[0].lines for item in (track, port)]
+    lines = [trajectory([item]).axes[0].points for item in (track, port)]
     for starboard, mirrored in zip(lines[0][:3], lines[1][:3], strict=True):
-        np.testing.assert_allclose(mirrored.get_xdata(), -starboard.get_xdata(), atol=1e-6)
+        np.testing.assert_allclose(mirrored.x, -starboard.x, atol=1e-6)
 
 
 def test_histories_show_speed_yaw_rate_and_drift(track):
     speed, yaw, drift, heading, rudder, _ = turn_histories([track]).axes
-    ratio = speed.lines[0].get_ydata()
+    ratio = speed.points[0].y
     assert ratio[0] == pytest.approx(1.0)
     assert ratio[-1] == pytest.approx(track.metrics["speed_ratio"], rel=1e-3)
-    assert drift.lines[0].get_ydata()[-1] == pytest.approx(
-        track.metrics["steady_drift_deg"], rel=1e-3
-    )
-    assert rudder.lines[0].get_ydata()[-1] == pytest.approx(track.rudder_deg, abs=0.1)
-    np.testing.assert_allclose(heading.lines[0].get_ydata(), np.degrees(np.unwrap(track.psi)))
-    diameter = 2 * ratio[-1] / yaw.lines[0].get_ydata()[-1]
+    assert drift.points[0].y[-1] == pytest.approx(track.metrics["steady_drift_deg"], rel=1e-3)
+    assert rudder.points[0].y[-1] == pytest.approx(track.rudder_deg, abs=0.1)
+    np.testing.assert_allclose(heading.points[0].y, np.degrees(np.unwrap(track.psi)))
+    diameter = 2 * ratio[-1] / yaw.points[0].y[-1]
     assert diameter == pytest.approx(track.metrics["steady_diameter_L"], rel=1e-3)
 
 
@@ -245,10 +246,10 @@ def test_no_track_is_refused():
 def test_measures_over_froude_with_the_imo_limits(sweep):
     figure = measures_over_froude({"ours": sweep})
     advance, transfer, diameter, _ = figure.axes
-    np.testing.assert_allclose(diameter.lines[0].get_ydata(), sweep.tactical_diameter_L)
-    assert advance.lines[1].get_ydata()[0] == 4.5
-    assert diameter.lines[1].get_ydata()[0] == 5.0
-    assert len(transfer.lines) == 1
+    np.testing.assert_allclose(diameter.points[0].y, sweep.tactical_diameter_L)
+    limits = {axis: [x.at for x in axis.marks if isinstance(x, Rule)] for axis in figure.axes}
+    assert (limits[advance], limits[diameter], limits[transfer]) == ([4.5], [5.0], [])
+    assert len(transfer.points) == 1
 
 
 @pytest.mark.slow
@@ -272,12 +273,12 @@ def test_harmonics_follow_the_record_of_a_cycle(reduction):
     ]
     figure = over_a_cycle(cycles)
     axis = figure.axes[3]
-    recorded, fitted = axis.lines
-    between = np.interp(recorded.get_xdata(), fitted.get_xdata(), fitted.get_ydata())
-    rest = recorded.get_ydata() - between
+    recorded, fitted = axis.points
+    between = np.interp(recorded.x, fitted.x, fitted.y)
+    rest = recorded.y - between
     assert np.std(rest) == pytest.approx(1.0, rel=0.15)  # the noise of Y that was put in
-    assert recorded.get_xdata().min() >= 0
-    assert recorded.get_xdata().max() <= 360
+    assert recorded.x.min() >= 0
+    assert recorded.x.max() <= 360
 
 
 @pytest.fixture(scope="module")
@@ -296,54 +297,50 @@ def every_figure(table, track, reduction, sweep):
 @pytest.mark.slow
 def test_every_axis_says_its_unit(every_figure):
     for figure in every_figure:
-        for axis in drawn(figure):
-            words = [axis.get_xlabel(), axis.get_ylabel(), axis.get_title(loc="left")]
-            column = [
-                other
-                for other in drawn(figure)
-                if other in axis.get_shared_x_axes().get_siblings(axis)
-            ]
-            below = [other.get_xlabel() for other in column]
+        for axis in figure.shown:
+            words = [axis.xlabel.text, axis.ylabel.text, axis.title.text]
+            below = [other.xlabel.text for other in axis.xshared if not other.removed]
             assert any("[" in text for text in (*words, *below)), words
 
 
 @pytest.mark.slow
 def test_no_legend_covers_data(every_figure):
     for figure in every_figure:
-        figure.draw_without_rendering()
-        panels = [axis.get_window_extent() for axis in drawn(figure)]
-        for legend in figure.legends:
-            frame = legend.get_window_extent()
-            assert not any(frame.overlaps(panel) for panel in panels)
-        assert all(axis.get_legend() is None for axis in figure.axes)
+        scene = laid_out(figure)
+        assert len(scene.frames) == len(figure.shown)
+        if scene.legend:
+            assert not any(overlap(scene.legend, frame.box) for frame in scene.frames)
 
 
 @pytest.mark.slow
 def test_drawing_changes_no_setting_of_the_user(table):
     before = dict(mpl.rcParams)
-    svg(derivatives_over_froude(table, names=["Yv", "Nv"]))
+    figure = derivatives_over_froude(table, names=["Yv", "Nv"])
+    figure.svg()
+    figure.png(50)
     assert dict(mpl.rcParams) == before
 
 
 @pytest.mark.slow
 def test_the_same_figure_gives_the_same_bytes(table, tmp_path):
     few = table.select(["Yv", "Yr", "Nv"])
-    made = [svg(beside_reference(few, TRUTH)) for _ in range(2)]
+    made = [beside_reference(few, TRUTH).svg() for _ in range(2)]
     assert made[0] == made[1]
     assert made[0].startswith("<svg")
     for ending in ("png", "svg", "pdf"):
         names = [tmp_path / f"{number}.{ending}" for number in range(2)]
         for name in names:
-            save(beside_reference(few, TRUTH), name)
+            beside_reference(few, TRUTH).save(name)
         assert names[0].read_bytes() == names[1].read_bytes()
 
 
 @pytest.mark.slow
-def test_figures_do_without_pyplot():
+def test_figures_do_without_matplotlib_and_pictures_without_pyplot():
     code = (
-        "import sys, pmmkit as pk\nfrom pmmkit.plotting import svg, trajectory\n"
-        "svg(trajectory([pk.simulate('s175-3dof', speed=9.0, compiled=False)]))\n"
-        "assert 'matplotlib' in sys.modules and 'matplotlib.pyplot' not in sys.modules"
+        "import sys, pmmkit as pk\nfrom pmmkit.plotting import trajectory\n"
+        "figure = trajectory([pk.simulate('s175-3dof', speed=9.0, compiled=False)])\n"
+        "assert figure.svg() and 'matplotlib' not in sys.modules\n"
+        "assert figure.png(50) and 'matplotlib.pyplot' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
 
@@ -352,9 +349,9 @@ def test_figures_do_without_pyplot():
 def test_a_run_plots_its_record_with_angles_in_degrees(reduction):
     run = next(run for run in reduction.campaign if run.test == "pure_yaw")
     turned = run.with_(loader=lambda: run.data.assign(psi=0.01 * run.data["N"]))
-    axes = {axis.get_title(loc="left"): axis for axis in drawn(turned.plot())}
+    axes = {axis.title.text: axis for axis in turned.plot().shown}
     assert set(axes) == {"X [N]", "Y [N]", "N [N m]", "psi [deg]"}
-    shown = axes["psi [deg]"].lines[0].get_ydata()
+    shown = axes["psi [deg]"].points[0].y
     np.testing.assert_allclose(shown, np.degrees(0.01 * run.data["N"].values))
     with pytest.raises(DataError, match="no history to draw"):
         run.with_(kind="means").plot()
@@ -363,9 +360,8 @@ def test_a_run_plots_its_record_with_angles_in_degrees(reduction):
 @pytest.mark.slow
 def test_a_campaign_plots_how_many_runs_there_are_of_each_test(reduction):
     (axis,) = reduction.campaign.plot().axes
-    said = {(text.xy[0], text.xy[1]): text.get_text() for text in axis.texts}
-    titles = [label.get_text() for label in axis.get_yticklabels()]
-    assert titles == ["static drift", "pure sway", "pure yaw", "yaw with drift"]
+    said = {(text.x, text.y): text.text for text in axis.words}
+    assert axis.yticks.labels == ("static drift", "pure sway", "pure yaw", "yaw with drift")
     assert said[(0.145, 0)] == "6"
     assert sum(map(int, said.values())) == len(reduction.campaign)
     with pytest.raises(DataError, match="no run to draw"):
@@ -376,18 +372,18 @@ def test_a_campaign_plots_how_many_runs_there_are_of_each_test(reduction):
 def test_a_reduction_plots_what_its_fit_leaves_which_is_noise(reduction):
     """Static means of 20 s at 10 Hz leave the noise of a mean of 200 samples, not the force."""
     noise = {"X": 0.4, "Y": 1.0, "N": 1.5}
-    first_row = drawn(reduction.plot())[: len(noise)]
+    first_row = reduction.plot().shown[: len(noise)]
     for axis, channel in zip(first_row, noise, strict=True):
-        static_drift = axis.lines[1]
-        assert static_drift.get_label() == "static drift"
-        assert len(static_drift.get_xdata()) == 12
-        left = np.sqrt(np.mean(static_drift.get_ydata() ** 2))
+        static_drift = axis.points[0]
+        assert static_drift.label == "static drift"
+        assert len(static_drift.x) == 12
+        left = np.sqrt(np.mean(static_drift.y**2))
         assert 0.4 < left / (noise[channel] / math.sqrt(200)) < 2.0
 
 
 def test_a_track_plots_itself(track):
     figure = track.plot()
-    np.testing.assert_allclose(figure.axes[0].lines[0].get_ydata(), track.x / track.L)
+    np.testing.assert_allclose(figure.axes[0].points[0].y, track.x / track.L)
 
 
 def test_colours_of_ordered_sets_differ_in_lightness():
@@ -406,16 +402,16 @@ def test_a_forest_shows_every_method_beside_published_values(table):
     figure = forest(
         {"regression": table, "filter": other}, reference=TRUTH, reference_name="by hand"
     )
-    axes = drawn(figure)
-    assert [axis.get_title(loc="left") for axis in axes] == [f"Fn {x:.3f}" for x in FN]
-    lines = {line.get_label(): line for line in axes[0].get_lines()}
+    axes = figure.shown
+    assert [axis.title.text for axis in axes] == [f"Fn {x:.3f}" for x in FN]
+    lines = {line.label: line for line in axes[0].points}
     half = 1.96 * 0.02
-    marks = lines["filter, 95 %"].get_xdata()
+    marks = lines["filter, 95 %"].x
     np.testing.assert_allclose(np.abs(marks), 0.01 / half, rtol=1e-3)
-    np.testing.assert_allclose(lines["by hand"].get_xdata(), 0.0, atol=1e-9)
-    far = {line.get_label(): line for line in axes[2].get_lines()}["by hand"]
-    assert len(far.get_xdata()) == 0
-    numbers = [abs(float(text.get_text())) for text in axes[2].texts]
+    np.testing.assert_allclose(lines["by hand"].x, 0.0, atol=1e-9)
+    far = {line.label: line for line in axes[2].points}["by hand"]
+    assert len(far.x) == 0
+    numbers = [abs(float(text.text)) for text in axes[2].words]
     np.testing.assert_allclose(numbers, 0.2 / half, atol=0.01)
 
 

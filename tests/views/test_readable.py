@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import matplotlib as mpl
 import numpy as np
 import pytest
+from scenes import boxes_at, collisions, overlap
 from small_campaign import RHO, TRUTH, L
 
 import pmmkit as pk
@@ -17,7 +18,9 @@ from pmmkit.campaigns.figures import record
 from pmmkit.conventions import Ship, Water
 from pmmkit.diagnosis.fall_figures import LEVEL, Bars, Panel, fall
 from pmmkit.diagnosis.figures import coverage, evidence
-from pmmkit.plotting import style, trajectory
+from pmmkit.plotting import Figure, style, trajectory
+from pmmkit.plotting.layout import laid_out
+from pmmkit.plotting.marks import BarSeries, Rule
 from pmmkit.plotting.time_series import histories, zigzag
 from pmmkit.plotting.turns import turn_histories
 from pmmkit.presentation import Section
@@ -25,7 +28,6 @@ from pmmkit.reduction.figures import left_by_the_fit
 from pmmkit.simulation import Bands
 from pmmkit.simulation.figures import importance
 from pmmkit.views import window_figure
-from pmmkit.views.figures.captions import seen
 from pmmkit.views.figures.derivatives import correlated, correlations
 from pmmkit.views.figures.forces import Cycle, over_a_cycle
 from pmmkit.views.figures.forests import farthest, forest
@@ -91,52 +93,22 @@ def test_sets_beyond_the_colours_differ_by_their_marks():
     assert len(looks) == 30
 
 
-def visible_texts(figure):
-    """Texts that are shown, with the boxes that they fill."""
-    figure.draw_without_rendering()
-    unseen = {
-        id(label)
-        for axis in figure.axes
-        for side, (low, high) in ((axis.xaxis, axis.get_xlim()), (axis.yaxis, axis.get_ylim()))
-        for tick in side.get_major_ticks()
-        if not min(low, high) <= tick.get_loc() <= max(low, high)
-        for label in (tick.label1, tick.label2)
-    }
-    found = []
-    for text in figure.findobj(mpl.text.Text):
-        if text.get_visible() and text.get_text().strip() and id(text) not in unseen:
-            box = text.get_window_extent()
-            if box.width > 0:
-                found.append((text.get_text(), box.shrunk(0.96, 0.8)))
-    return found
-
-
-def collisions(figure):
-    return [
-        (one, other)
-        for (one, a), (other, b) in itertools.combinations(visible_texts(figure), 2)
-        if a.overlaps(b)
-    ]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("length", [4, 25, 60])
 def test_a_legend_below_is_as_wide_as_the_figure_at_most(length):
     """Runs have long names; what is short still stands side by side."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    with style.styled():
-        figure = style.canvas(4.0)
-        axis = figure.subplots()
-        for number in range(4):
-            axis.plot([0, 1], [number, number], label=f"{number}" + "m" * (length - 1))
-        style.legend_below(figure, [axis], columns=4)
-        canvas = FigureCanvasAgg(figure)
-        canvas.draw()
-        (legend,) = figure.legends
-        box = legend.get_window_extent(canvas.get_renderer())
-    assert 0.0 <= box.x0 < box.x1 <= figure.bbox.width
-    assert legend._ncols == {4: 4, 25: 2, 60: 1}[length]
+    figure = Figure(height=4.0)
+    axis = figure.subplots()
+    names = [f"{number}" + "m" * (length - 1) for number in range(4)]
+    for number, name in enumerate(names):
+        axis.plot([0, 1], [number, number], color="#222222", label=name)
+    figure.legend_below([axis], columns=4)
+    scene = laid_out(figure)
+    assert 0.0 <= scene.legend.left < scene.legend.right <= scene.width
+    boxes = [own.box for own in scene.letters if own.text in names]
+    assert all(0.0 <= box.left < box.right <= scene.width for box in boxes)
+    assert len(boxes) == 4
+    assert len({box.left for box in boxes}) == {4: 4, 25: 2, 60: 1}[length]
 
 
 def test_what_the_phase_is_stands_clear_of_the_legend():
@@ -150,6 +122,11 @@ def test_what_the_phase_is_stands_clear_of_the_legend():
     assert collisions(over_a_cycle([cycle], channels=["Y"])) == []
 
 
+def lines(ticks):
+    """Lines of what is stated at ticks."""
+    return {line for label in ticks.labels for line in label.split("\n")}
+
+
 def test_sets_of_several_effects_have_room_for_their_names():
     sets = [
         ("cubic_hull_terms", "modulus_sway_drag", "yaw_sway_coupling"),
@@ -159,19 +136,19 @@ def test_sets_of_several_effects_have_room_for_their_names():
     ]
     figure = evidence(sets, [600.0, 590.0, 400.0, 40.0], named=[True] * 4, faults=[False] * 4)
     (axis,) = figure.axes
-    labels = axis.get_yticklabels()
-    figure.draw_without_rendering()
-    boxes = [label.get_window_extent() for label in labels]
-    assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
-    ticks = [text.get_text() for text in axis.get_xticklabels()]
-    assert "100" in ticks
-    assert not any("^" in text for text in ticks)
+    scene = laid_out(figure)
+    (frame,) = scene.frames
+    boxes = boxes_at(scene, frame, {(text, axis.yticks.size) for text in lines(axis.yticks)})
+    assert len(boxes) >= len(sets)
+    assert not any(overlap(a, b) for a, b in itertools.combinations(boxes, 2))
+    assert "100" in frame.xticks.labels
+    assert not any("^" in text for text in frame.xticks.labels)
 
 
 def test_bars_of_the_steps_differ_in_grey():
     bars = tuple(Bars(label=name, errors=(3.0, 2.0, 1.0)) for name in "XY")
     figure = fall(["base", "a", "b"], [Panel(title="by channel", scale="%", bars=bars)])
-    hatches = {container[0].get_hatch() for container in figure.axes[0].containers}
+    hatches = {mark.hatch for mark in figure.axes[0].marks if isinstance(mark, BarSeries)}
     assert len(hatches) == 3
 
 
@@ -185,16 +162,19 @@ def test_the_level_crosses_no_number_of_a_fall_and_no_number_another(count, leve
         for name in "abcd"
     ]
     figure = fall(steps, panels)
-    figure.draw_without_rendering()
-    for axis in figure.axes:
-        (line,) = (item for item in axis.get_lines() if item.get_label() == LEVEL)
-        at = axis.transData.transform((0.0, line.get_ydata()[0]))[1]
-        boxes = [text.get_window_extent() for text in axis.texts]
+    scene = laid_out(figure)
+    for frame in scene.frames:
+        axis = frame.axes
+        (line,) = (item for item in axis.marks if isinstance(item, Rule))
+        assert line.label == LEVEL
+        at = frame.upright(np.array([line.at]))[0]
+        boxes = boxes_at(scene, frame, {(text.text, text.size) for text in axis.words})
         assert len(boxes) == count
-        assert not any(box.y0 < at < box.y1 for box in boxes)
-        labels = [text.get_window_extent() for text in axis.get_xticklabels()]
-        for own in (boxes, labels):
-            assert not any(a.overlaps(b) for a, b in itertools.combinations(own, 2))
+        assert not any(box.top < at < box.bottom for box in boxes)
+        names = boxes_at(scene, frame, {(text, axis.xticks.size) for text in lines(axis.xticks)})
+        assert len(names) >= count
+        for own in (boxes, names):
+            assert not any(overlap(a, b) for a, b in itertools.combinations(own, 2))
 
 
 def test_without_a_step_there_is_no_fall_to_draw():
@@ -204,12 +184,8 @@ def test_without_a_step_there_is_no_fall_to_draw():
 
 def test_what_hides_beyond_the_axis_is_marked():
     axis = coverage(["a", "b"], [0.1, 1e6], [True, False]).axes[0]
-    marks = [line for line in axis.get_lines() if line.get_marker() == ">"]
-    assert [line.get_ydata()[0] for line in marks] == [1]
-
-
-def ticks(axis):
-    return [text.get_text() for text in axis.get_yticklabels() if text.get_text()]
+    marks = [line for line in axis.points if line.marker == ">"]
+    assert [line.y[0] for line in marks] == [1]
 
 
 @pytest.mark.slow
@@ -218,10 +194,9 @@ def test_a_channel_that_hardly_changes_has_short_ticks(value):
     t = np.linspace(0.0, 1.0, 50)
     values = value * (1 + 1e-9 * np.sin(40 * t))
     figure = record("run", t, {"X": values}, {"X": "N"})
-    figure.draw_without_rendering()
-    (axis,) = figure.axes
-    assert max(map(len, ticks(axis))) < 8
-    assert "+" not in axis.yaxis.get_offset_text().get_text()
+    (frame,) = laid_out(figure).frames
+    assert max(map(len, frame.yticks.labels)) < 8
+    assert "+" not in frame.yticks.power
 
 
 @pytest.mark.slow
@@ -232,10 +207,10 @@ def test_residuals_stand_over_the_fitted_value_a_panel_a_kind():
         {"Y": {"pure sway": (fitted + left, fitted), "static drift": (fitted, fitted)}}, {"Y": "N"}
     )
     sway, drift = figure.axes
-    np.testing.assert_allclose(sway.lines[1].get_xdata(), fitted)
-    np.testing.assert_allclose(sway.lines[1].get_ydata(), left)
-    assert sway.get_title(loc="right") == "rms 0.29 N"  # √((0.09 + 0.16 + 0) / 3)
-    assert drift.get_xlabel() == "Y fitted [N]"
+    np.testing.assert_allclose(sway.points[0].x, fitted)
+    np.testing.assert_allclose(sway.points[0].y, left)
+    assert sway.title_right.text == "rms 0.29 N"  # √((0.09 + 0.16 + 0) / 3)
+    assert drift.xlabel.text == "Y fitted [N]"
     assert not collisions(figure)
 
 
@@ -267,8 +242,8 @@ def test_correlations_stand_in_blocks_of_channels(table):
     assert correlated(tied)[1][i, j] == pytest.approx(-0.9)
     assert matrix[i, j] == 0.0
     axis = correlations(tied).axes[0]
-    assert {text.get_text() for text in axis.texts} == {"-90"}
-    assert "Y" in axis.get_yticklabels()[i].get_text()
+    assert {text.text for text in axis.words} == {"-90"}
+    assert "Y" in axis.yticks.labels[i]
 
 
 def test_a_table_without_covariance_has_no_correlations():
@@ -281,9 +256,9 @@ def test_a_forest_of_laboratories_takes_their_own_conventions(table):
     """The same derivatives in the bis system stand on the zero of the first."""
     elsewhere = converted(table, table.convention.with_(system="bis"))
     figure = forest({"HMRI": table, "elsewhere": elsewhere})
-    marks = {line.get_label(): line for line in figure.axes[0].lines}["elsewhere, 95 %"]
-    np.testing.assert_allclose(marks.get_xdata(), 0.0, atol=1e-6)
-    assert len(marks.get_xdata()) == len(table.names)
+    marks = {line.label: line for line in figure.axes[0].points}["elsewhere, 95 %"]
+    np.testing.assert_allclose(marks.x, 0.0, atol=1e-6)
+    assert len(marks.x) == len(table.names)
 
 
 @pytest.mark.slow
@@ -291,10 +266,10 @@ def test_a_forest_gives_each_derivative_the_rows_that_it_needs(table):
     some = table.select(["Yv", "Nv"])
     figure = forest({"all": table, "drift": some, "sway": table.select(["Yv"])})
     (axis,) = figure.axes
-    assert len(axis.get_yticks()) == 2
-    sway = {line.get_label(): line for line in axis.lines}["sway, 95 %"]
-    drift = {line.get_label(): line for line in axis.lines}["drift, 95 %"]
-    places = sorted([*sway.get_ydata(), *drift.get_ydata()])
+    assert len(axis.yticks.at) == 2
+    sway = {line.label: line for line in axis.points}["sway, 95 %"]
+    drift = {line.label: line for line in axis.points}["drift, 95 %"]
+    places = sorted([*sway.y, *drift.y])
     assert np.min(np.diff(places)) >= 1.0
     assert not collisions(figure)
 
@@ -352,22 +327,22 @@ def test_wider_spread_gives_a_wider_band_and_the_same_seed_the_same(bands):
 def test_a_turn_with_its_band_tells_its_measures_and_intervals(bands):
     found = bands.figures()
     assert list(found) == ["trajectory", "histories"]
-    texts = [text.get_text() for text in found["trajectory"].axes[0].texts]
+    texts = [text.text for text in found["trajectory"].axes[0].words]
     for name in ("advance", "transfer", "tactical diameter"):
         (told,) = [text for text in texts if text.startswith(name)]
         low, high = bands.measures[f"{name.replace(' ', '_')}_L"]
         assert f"({low:.2f} to {high:.2f})" in told
     for figure in found.values():
         assert not collisions(figure)
-    titles = [axis.get_title(loc="left") for axis in found["histories"].axes]
+    titles = [axis.title.text for axis in found["histories"].axes]
     assert titles[:2] == ["heading ψ [deg]", "rudder δ [deg]"]
-    rudder = found["histories"].axes[1].lines[0].get_ydata()
+    rudder = found["histories"].axes[1].points[0].y
     assert np.nanmax(rudder) == pytest.approx(35.0)
 
 
 @pytest.mark.slow
 def test_bands_are_the_same_to_the_byte(bands):
-    made = [[style.svg(figure) for figure in bands.figures().values()] for _ in range(2)]
+    made = [[figure.svg() for figure in bands.figures().values()] for _ in range(2)]
     assert made[0] == made[1]
 
 
@@ -377,40 +352,40 @@ def test_dimension_lines_keep_clear_of_the_path(rudder_deg):
     track = pk.simulate("kvlcc2-l7", speed=1.179, rudder_deg=rudder_deg, compiled=False)
     figure = trajectory([track])
     assert not collisions(figure)
-    (axis,) = figure.axes
-    place = np.column_stack([track.y, track.x]) / track.L
-    pixels = axis.transData.transform(place)
-    for text in axis.texts:
-        if text.get_text():
-            box = text.get_window_extent()
-            assert not any(box.contains(*pixel) for pixel in pixels)
+    scene = laid_out(figure)
+    (frame,) = scene.frames
+    x, y = frame.across(track.y / track.L), frame.upright(track.x / track.L)
+    boxes = boxes_at(scene, frame, {(text.text, text.size) for text in frame.axes.words})
+    assert boxes
+    for box in boxes:
+        assert not np.any((box.left < x) & (x < box.right) & (box.top < y) & (y < box.bottom))
 
 
 @pytest.mark.slow
 def test_a_spiral_shows_its_rudder_on_a_scale_of_its_own():
     track = pk.simulate("kvlcc2-l7", "spiral", speed=1.179, step_deg=10, compiled=False)
-    axes = {axis.get_title(loc="left"): axis for axis in histories(track).axes}
+    axes = {axis.title.text: axis for axis in histories(track).axes}
     rudder = axes["rudder δ [deg]"]
-    np.testing.assert_allclose(rudder.lines[0].get_ydata(), np.degrees(track.delta))
-    assert max(map(abs, rudder.get_ylim())) < 45
+    np.testing.assert_allclose(rudder.points[0].y, np.degrees(track.delta))
+    assert max(map(abs, rudder.limits("y"))) < 45
 
 
 def test_a_zigzag_says_when_the_rudder_was_ordered():
     track = pk.simulate("kvlcc2-l7", "zigzag", speed=1.179, compiled=False)
     above = zigzag([track]).axes[0]
-    upright = [line for line in above.lines if "ordered" in str(line.get_label())]
-    assert [line.get_xdata()[0] for line in upright] == list(track.orders)
+    upright = [x for x in above.marks if isinstance(x, Rule) and "ordered" in x.label]
+    assert [line.at for line in upright] == list(track.orders)
 
 
 @pytest.mark.slow
 def test_what_is_seen_is_what_was_drawn(table):
-    told = seen(correlations(table))
+    told = correlations(table).in_words()
     assert f"a map of {len(table.names)} rows" in told
     track = pk.simulate("kvlcc2-l7", speed=1.179, compiled=False)
-    told = seen(turn_histories([track]))
+    told = turn_histories([track]).in_words()
     assert told.startswith("6 panels. Speed over approach speed U / U₀ [-] over time t U₀ / L [-]")
     assert f"{np.degrees(track.delta).min():.3g} to 35" in told.split("Rudder")[1]
-    told = seen(forest({"all": table, "half": table.with_(value=1.01 * table.value)}))
+    told = forest({"all": table, "half": table.with_(value=1.01 * table.value)}).in_words()
     assert f"{len(table.names)} rows, X'_u-dot to" in told
     assert "half, 95 % −0.255 to 0.255" in told
 
@@ -437,43 +412,32 @@ def test_a_prediction_that_runs_away_leaves_the_axes_not_the_measurement():
         predicted={"before": measured, "ekf": away},
     )
     left, right = window_figure(window).axes
-    assert max(map(abs, (*left.get_xlim(), *left.get_ylim()))) < 100.0
-    assert max(map(abs, right.get_ylim())) < 500.0
-    assert right.get_title(loc="left") == "runs away: ekf"
+    assert max(map(abs, (*left.limits("x"), *left.limits("y")))) < 100.0
+    assert max(map(abs, right.limits("y"))) < 500.0
+    assert right.title.text == "runs away: ekf"
 
 
 def test_rounding_of_zero_is_no_scale():
     """Headings of a ship that stops on a straight course: 1e-19 degrees."""
-    with style.styled():
-        axis = style.canvas(2.0).subplots()
-        axis.plot([0.0, 1.0], [0.0, 3e-19])
-        style.widened(axis)
-        assert axis.get_ylim() == (-0.055, 0.055)
-        axis.clear()
-        axis.plot([0.0, 1.0], [0.0, 3e-6])
-        before = axis.get_ylim()
-        style.widened(axis)
-        assert axis.get_ylim() == before
+    axis = Figure(height=2.0).subplots()
+    axis.plot([0.0, 1.0], [0.0, 3e-19], color="#222222")
+    style.widened(axis)
+    assert axis.limits("y") == (-0.055, 0.055)
+    axis = Figure(height=2.0).subplots()
+    axis.plot([0.0, 1.0], [0.0, 3e-6], color="#222222")
+    before = axis.limits("y")
+    style.widened(axis)
+    assert axis.limits("y") == before
 
 
 def test_what_the_bars_of_causes_show_stands_within_the_figure():
     names = ["four_quadrant_propeller.t_astern", "Yv"]
     figure = importance(names, np.array([0.7, 0.3]), "steady_speed_ratio", shares=False)
-    figure.canvas.draw()
-    (told,) = [text for text in figure.texts if "change of" in text.get_text()]
-    box = told.get_window_extent()
-    assert box.x0 >= 0.0
-    assert box.x1 <= figure.bbox.x1
-
-
-def labels_within(side):
-    """Numbers at the ticks of a side that lie within its limits."""
-    low, high = sorted(side.get_view_interval())
-    return [
-        tick.label1.get_text()
-        for tick in side.get_major_ticks()
-        if low <= tick.get_loc() <= high and tick.label1.get_visible() and tick.label1.get_text()
-    ]
+    scene = laid_out(figure)
+    (told,) = [own for own in scene.letters if "change of" in own.text]
+    assert told.text == figure.xlabel.text
+    assert told.box.left >= 0.0
+    assert told.box.right <= scene.width
 
 
 @pytest.mark.slow
@@ -482,9 +446,11 @@ def test_bars_of_few_ships_hold_several_and_say_how_many():
     found = pk.monte_carlo("kvlcc2-l7", speed=1.179, rudder_deg=35, n=60, spread=0.05, seed=1)
     figure = found.plot()
     assert not collisions(figure)
-    assert len(labels_within(figure.axes[0].yaxis)) > 1
-    for axis in figure.axes:
-        heights = [bar.get_height() for bar in axis.patches if bar.get_label() != "central 95 %"]
-        assert sum(heights) >= 60
-        assert np.median([height for height in heights if height >= 1.0]) > 2
-        assert len(labels_within(axis.xaxis)) > 1
+    frames = laid_out(figure).frames
+    assert frames[0].axes.yticks.shown
+    assert len(frames[0].yticks.labels) > 1
+    for frame in frames:
+        (bars,) = (mark for mark in frame.axes.marks if isinstance(mark, BarSeries))
+        assert bars.length.sum() >= 60
+        assert np.median(bars.length[bars.length >= 1.0]) > 2
+        assert len(frame.xticks.labels) > 1

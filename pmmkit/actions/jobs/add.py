@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -161,9 +160,8 @@ def _rolling(model: Model, campaign: Campaign, asked: RecordSettings) -> Model:
 
 
 def _files(fall: Fall, drawn: bool) -> list[tuple[str, Any]]:
-    from pmmkit.plotting import save
 
-    figure = [("error_fall.svg", partial(save, fall.plot()))] if drawn else []
+    figure = [("error_fall.svg", fall.plot().save)] if drawn else []
     return [("error_fall.csv", fall.to_pandas()), *figure]
 
 

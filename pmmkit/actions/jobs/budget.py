@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -79,7 +78,6 @@ def budget(job: BudgetSettings) -> Outcome:
     from pmmkit.base import shown
     from pmmkit.campaigns import open_campaign
     from pmmkit.files import write_results
-    from pmmkit.plotting import save
     from pmmkit.reduction import (
         derivative_budget,
         imo_budget,
@@ -120,7 +118,7 @@ def budget(job: BudgetSettings) -> Outcome:
     for name, item in found.items():
         results += [
             (f"budget_{name}.csv", item.to_pandas()),
-            (f"budget_{name}.svg", partial(save, item.plot())),
+            (f"budget_{name}.svg", item.plot().save),
         ]
     if study is not None:
         results.append(("grids.csv", study.to_pandas()))

@@ -96,7 +96,6 @@ def _fitted(job: CardSettings, file: Path) -> Outcome:
     from pmmkit.cards import Card, read_card, ship_from_card
     from pmmkit.files import MODEL
     from pmmkit.models import save_model
-    from pmmkit.plotting import save
 
     if job.speed is not None:
         raise SettingError("fit takes the speeds of the card: write them there.")
@@ -119,7 +118,7 @@ def _fitted(job: CardSettings, file: Path) -> Outcome:
         ("measures.csv", measures),
         ("values.csv", values.reset_index()),
         (Card.FILE, found.completed().text()),
-        ("measures.svg", partial(save, found.plot())),
+        ("measures.svg", found.plot().save),
     ]
     command = f"pmmkit uncertainty {quoted(folder / MODEL.file)} --speed {known.speed:.4g}"
     content = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.actions.outcome import Outcome, check_folder, not_made
 from pmmkit.actions.setting import settings
@@ -51,14 +51,13 @@ def check(job: CheckSettings) -> Outcome:
     )
 
 
-def _files(findings: Sequence[CheckFinding]) -> Iterator[tuple[str, str]]:
+def _files(findings: Sequence[CheckFinding]) -> Iterator[tuple[str, Any]]:
     """Figures and tables of the findings that have numbers of each run."""
-    from pmmkit.plotting import svg
     from pmmkit.views import zeros_at_rest
 
     for item in findings:
         if item.by_run:
-            yield f"{item.check}.svg", svg(zeros_at_rest(item))
+            yield f"{item.check}.svg", zeros_at_rest(item).save
 
 
 def _text(findings: Sequence[CheckFinding]) -> str:

@@ -146,7 +146,6 @@ def _of_captive_tests(
     from pmmkit.base import shown
     from pmmkit.diagnosis import begin
     from pmmkit.effects import own_effects
-    from pmmkit.plotting import save
     from pmmkit.views import Loop, write_report
 
     own = own_effects(job.own) if job.own else ()
@@ -169,7 +168,7 @@ def _of_captive_tests(
     page = partial(write_report, loop, title=campaign.title, runs=count, findings=checked)
     drawn: list[tuple[str, Any]] = [("report.html", page)] if job.figures else []
     if job.figures and loop.diagnosis.homogeneity:
-        drawn.append(("homogeneity.svg", partial(save, loop.diagnosis.plot_homogeneity())))
+        drawn.append(("homogeneity.svg", loop.diagnosis.plot_homogeneity().save))
     return (
         loop.diagnosis,
         {"model": job.model},
@@ -246,7 +245,6 @@ def _together(
     from pmmkit.conventions import STRUCTURES
     from pmmkit.effects import own_effects
     from pmmkit.models import load_model, save_model
-    from pmmkit.plotting import save
 
     if job.outside:
         raise DataError("--outside belongs to the diagnosis of one campaign.")
@@ -292,7 +290,7 @@ def _together(
     if turns is not None:
         results.append(("turn.csv", turns.to_csv))
     if job.figures:
-        results.append(("evidence.svg", partial(save, found.plot())))
+        results.append(("evidence.svg", found.plot().save))
     lines = [*head, *warnings, str(found), ""]
     for title, rows in found.errors.items():
         lines += [f"{title}, what is held out:", errors_table(rows), ""]
@@ -392,14 +390,13 @@ def _next_of_all(
 
 def _record_files(found: Diagnosis, drawn: bool) -> Iterator[tuple[str, Any]]:
     from pmmkit.models import save_model
-    from pmmkit.plotting import save
 
     for name, made in (("model", found.model), ("model_refitted", found.refitted)):
         if made is not None:
             yield f"{name}.toml", partial(save_model, made)
     if drawn:
-        yield "evidence.svg", partial(save, found.plot())
-        yield "coverage.svg", partial(save, found.plot_coverage())
+        yield "evidence.svg", found.plot().save
+        yield "coverage.svg", found.plot_coverage().save
 
 
 def _next(job: DiagnoseSettings, found: Diagnosis, given: Sequence[str], folder: Path) -> list[str]:

@@ -238,7 +238,6 @@ class _Work:
 def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterator[tuple[str, Any]]:
     from pmmkit.identification import Posterior, PredictedWindow
     from pmmkit.models import save_model
-    from pmmkit.plotting import save
     from pmmkit.views import filter_figures, window_figure
 
     found, records = work.found, work.used.records
@@ -250,15 +249,15 @@ def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterat
     for name, item in found.found.items():
         ending = "" if len(found.found) + len(found.failed) == 1 else f"_{name}"
         yield f"model{ending}.toml", partial(save_model, item.model)
-    yield "parameters.svg", partial(save, found.plot())
+    yield "parameters.svg", found.plot().save
     for name in work.tests:
         detail = found.found[name].detail
         for kind, drawn in filter_figures(detail, records, found.model.convention).items():
-            yield f"{kind}_{name}.svg", partial(save, drawn)
+            yield f"{kind}_{name}.svg", drawn.save
     for item in found.found.values():
         if isinstance(item.detail, Posterior):
             yield "posterior.nc", item.detail.write
-            yield "posterior.svg", partial(save, item.detail.plot(item.model.convention))
+            yield "posterior.svg", item.detail.plot(item.model.convention).save
     models = {found.BEFORE: found.model, **{name: x.model for name, x in found.found.items()}}
     sailed = PredictedWindow.of(
         models,
@@ -267,7 +266,7 @@ def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterat
         extrapolate=extrapolate,
         currents=found.currents,
     )
-    yield "prediction.svg", partial(save, window_figure(sailed))
+    yield "prediction.svg", window_figure(sailed).save
 
 
 def _content(work: _Work) -> dict[str, Any]:

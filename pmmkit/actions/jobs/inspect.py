@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -45,12 +44,11 @@ def inspect(job: InspectSettings) -> Outcome:
 
 def _write(found: Look, out: Path) -> list[str]:
     from pmmkit.files import write_results
-    from pmmkit.plotting import save
     from pmmkit.views import first_look
 
     results: list[tuple[str, Any]] = []
     if found.groups:
         results.append(("inspect.csv", found.columns_csv()))
     if figure := first_look(found):
-        results.append(("inspect.png", partial(save, figure)))
+        results.append(("inspect.png", figure.save))
     return write_results(out, results)

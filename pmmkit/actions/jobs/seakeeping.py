@@ -410,11 +410,10 @@ def _drift(part: Part) -> str:
 
 
 def _operability(sailed: Operability, *, figures: bool) -> Iterator[tuple[str, Any]]:
-    from pmmkit.plotting import save
 
     yield "operability.csv", sailed.to_pandas()
     if figures:
-        yield "operability.svg", partial(save, sailed.plot())
+        yield "operability.svg", sailed.plot().save
 
 
 def _files(
@@ -427,7 +426,6 @@ def _files(
 ) -> Iterator[tuple[str, Any]]:
     import pandas as pd
 
-    from pmmkit.plotting import save
     from pmmkit.seakeeping import drift_part
 
     whole = found if added is None else replace(found, second_order=added.drift)
@@ -448,6 +446,6 @@ def _files(
         }:
             yield "drift.toml", _drift(drift_part(found, waves))
     if figures:
-        yield "rao.svg", partial(save, found.plot())
+        yield "rao.svg", found.plot().save
         if added is not None:
-            yield "added_resistance.svg", partial(save, added.plot())
+            yield "added_resistance.svg", added.plot().save

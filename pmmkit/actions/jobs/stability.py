@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Final
 
 from pmmkit.actions.outcome import Outcome, marked, results_folder, written
@@ -28,7 +27,6 @@ class StabilitySettings:
 def stability(job: StabilitySettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.models import load_model
-    from pmmkit.plotting import save
     from pmmkit.simulation import spiral_curve
     from pmmkit.simulation import stability as stability_linear
 
@@ -52,7 +50,7 @@ def stability(job: StabilitySettings) -> Outcome:
     results = [
         ("stability.json", numbers),
         ("spiral.csv", curve.to_pandas()),
-        ("spiral.svg", partial(save, curve.plot())),
+        ("spiral.svg", curve.plot().save),
     ]
     lines = [str(found), "", curve.sentence(), f"Scale: {loaded.scale}"]
     return marked(written(folder, results, numbers, lines), loaded)

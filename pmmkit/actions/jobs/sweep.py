@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -64,7 +63,6 @@ class SweepSettings:
 def sweep(job: SweepSettings) -> Outcome:
     """Do what is asked."""
     from pmmkit.models import Standing, load_model
-    from pmmkit.plotting import save
     from pmmkit.simulation import SHARES, froude_sweep, metrics_over
     from pmmkit.simulation import sweep as sweep_sweeps
 
@@ -114,7 +112,7 @@ def sweep(job: SweepSettings) -> Outcome:
             [*_heads(found, coordinates, metrics, job.manoeuvre), *columns[len(metrics) :]], cells
         ),
     ]
-    results = [("sweep.csv", table), ("sweep.svg", partial(save, figure))]
+    results = [("sweep.csv", table), ("sweep.svg", figure.save)]
     return marked(written(folder, results, {"sweep": rows}, lines), loaded)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -119,13 +118,11 @@ def _prediction(source: str) -> LoadingPrediction:
 def _files(found: Sequence[Trial], content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     import pandas as pd
 
-    from pmmkit.plotting import save
-
     yield "trial.csv", pd.DataFrame([row for item in found for row in item.rows()])
     yield "trial.json", content
     for item, name in zip(found, _names(found), strict=True):
         yield f"path_{name}.csv", item.path()
-        yield f"trial_{name}.svg", partial(save, item.plot())
+        yield f"trial_{name}.svg", item.plot().save
 
 
 def _names(found: Sequence[Trial]) -> list[str]:

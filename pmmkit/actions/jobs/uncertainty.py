@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import Final
 
 from pmmkit.actions.outcome import Outcome, figure_files, marked, results_folder, written
@@ -52,7 +51,6 @@ def uncertainty(job: UncertaintySettings) -> Outcome:
     from pmmkit.base import UnknownNameError, shown
     from pmmkit.conventions import METRICS
     from pmmkit.models import load_model
-    from pmmkit.plotting import save
     from pmmkit.simulation import Bands, monte_carlo, sensitivities
 
     folder = results_folder(job.out, f"{stem(job.model)}-uncertainty")
@@ -91,8 +89,8 @@ def uncertainty(job: UncertaintySettings) -> Outcome:
     results = [
         ("metrics.csv", summary.to_csv),
         ("causes.csv", causes.to_csv),
-        ("distributions.svg", partial(save, many.plot(drawn[: many.SHOWN]))),
-        ("causes.svg", partial(save, found.plot(chosen))),
+        ("distributions.svg", many.plot(drawn[: many.SHOWN]).save),
+        ("causes.svg", found.plot(chosen).save),
         *figure_files(bands.figures()),
     ]
     curved = []

@@ -21,7 +21,8 @@ from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, 
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 BASE: Final = "the base"
 """What scatters between laboratories beside effects."""

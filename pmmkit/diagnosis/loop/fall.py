@@ -14,9 +14,9 @@ from pmmkit.presentation import Described, Grid, Group, Section, counted
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
     from pmmkit.diagnosis.fall_figures import Panel
+    from pmmkit.plotting import Figure
 
 BASE: Final = "base"
 """First line of a fall: the model before any step."""

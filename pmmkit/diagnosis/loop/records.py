@@ -61,7 +61,7 @@ from pmmkit.numerics import Array
 from pmmkit.presentation import counted
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from pmmkit.plotting import Figure
 
 
 # A model fitted to free-running records together with effects that it lacked.

@@ -38,9 +38,9 @@ from pmmkit.simulation import Draws
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from pmmkit.conventions import Convention
+    from pmmkit.plotting import Figure
 
 STEPS: Final = 2000
 """Most steps of a walker."""

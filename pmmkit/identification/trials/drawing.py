@@ -9,22 +9,10 @@ import numpy as np
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import TEST_KINDS
-from pmmkit.plotting import (
-    REFERENCE,
-    TrackLike,
-    canvas,
-    colour,
-    dimension,
-    legend_below,
-    open_mark,
-    styled,
-)
+from pmmkit.plotting import REFERENCE, Axes, Figure, TrackLike, colour, dimension, open_mark
 from pmmkit.presentation import figure_text
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from pmmkit.identification.trials.current import Current
     from pmmkit.imo import Verdict
     from pmmkit.numerics import Array
@@ -76,79 +64,77 @@ def trial_path(trial: _Trial) -> Figure:
         shown &= trial.t <= trial.metrics["time_to_stop"]
     if np.count_nonzero(shown) < 2:
         raise DataError("The record holds nothing to draw after the order.")
-    with styled():
-        figure = canvas(7.2, 7.6)
-        axis = figure.subplots()
-        removed = trial.current is not None
-        if removed:
-            axis.plot(
-                *_in_lengths(trial, trial.y_ground, trial.x_ground, shown),
-                color=REFERENCE,
-                ls="--",
-                lw=1.1,
-                label="as measured, over ground",
-            )
+    figure = Figure(height=7.2, width=7.6)
+    axis = figure.subplots()
+    removed = trial.current is not None
+    if removed:
         axis.plot(
-            *_in_lengths(trial, trial.y, trial.x, shown),
-            color=colour(0),
-            label="current removed" if removed else "as measured, over ground",
+            *_in_lengths(trial, trial.y_ground, trial.x_ground, shown),
+            color=REFERENCE,
+            ls="--",
+            lw=1.1,
+            label="as measured, over ground",
         )
-        axis.plot(0.0, 0.0, ls="", marker="o", ms=5, color=colour(0), label="order", zorder=4)
-        if trial.manoeuvre == "turning":
-            _turn_lines(axis, trial)
-        else:
-            _stop_lines(axis, trial)
-        if trial.current is not None:
-            _arrow(axis, trial)
-        axis.set_aspect("equal", adjustable="datalim")
-        axis.margins(0.08)
-        axis.set_xlabel("to starboard of the approach, y / L [-]")
-        axis.set_ylabel("along the approach, x / L [-]")
-        axis.set_title(_title(trial))
-        legend_below(figure, [axis], columns=3)
+    axis.plot(
+        *_in_lengths(trial, trial.y, trial.x, shown),
+        color=colour(0),
+        label="current removed" if removed else "as measured, over ground",
+    )
+    axis.plot(0.0, 0.0, ls="", marker="o", ms=5, color=colour(0), label="order", zorder=4)
+    if trial.manoeuvre == "turning":
+        _turn_lines(axis, trial)
+    else:
+        _stop_lines(axis, trial)
+    if trial.current is not None:
+        _arrow(axis, trial)
+    axis.set_aspect_equal()
+    axis.margins(0.08, 0.08)
+    axis.set_xlabel("to starboard of the approach, y / L [-]")
+    axis.set_ylabel("along the approach, x / L [-]")
+    axis.set_title(_title(trial))
+    figure.legend_below([axis], columns=3)
     return figure
 
 
 def trial_zigzag(trial: _Trial) -> Figure:
     """Heading and rudder of a zigzag over time, with the overshoots and their limits."""
-    with styled():
-        figure = canvas(4.4)
-        axis = figure.subplots()
-        shown = trial.t > -60.0
-        heading = np.degrees(trial.psi)
-        axis.plot(trial.t[shown], heading[shown], color=colour(0), label="heading ψ")
-        axis.plot(
-            trial.t[shown],
-            np.degrees(trial.delta)[shown],
-            color=colour(2),
-            ls="--",
-            lw=1.1,
-            label="rudder δ",
+    figure = Figure(height=4.4)
+    axis = figure.subplots()
+    shown = trial.t > -60.0
+    heading = np.degrees(trial.psi)
+    axis.plot(trial.t[shown], heading[shown], color=colour(0), label="heading ψ")
+    axis.plot(
+        trial.t[shown],
+        np.degrees(trial.delta)[shown],
+        color=colour(2),
+        ls="--",
+        lw=1.1,
+        label="rudder δ",
+    )
+    for number, begin in enumerate(trial.orders[1:], start=1):
+        over = trial.metrics.get(f"overshoot_{number}_deg", math.nan)
+        if math.isnan(over):
+            continue
+        end = trial.orders[number + 1] if number + 1 < len(trial.orders) else trial.t[-1]
+        inside = np.flatnonzero((trial.t >= begin) & (trial.t <= end))
+        top = inside[int(np.argmax(np.abs(heading[inside])))]
+        side = float(np.sign(heading[top]))
+        axis.text(
+            trial.t[top],
+            heading[top],
+            f"{over:.1f}°",
+            xytext=(0, 5 * side),
+            ha="center",
+            va="bottom" if side > 0 else "top",
+            fontsize=9,
+            color=REFERENCE,
         )
-        for number, begin in enumerate(trial.orders[1:], start=1):
-            over = trial.metrics.get(f"overshoot_{number}_deg", math.nan)
-            if math.isnan(over):
-                continue
-            end = trial.orders[number + 1] if number + 1 < len(trial.orders) else trial.t[-1]
-            inside = np.flatnonzero((trial.t >= begin) & (trial.t <= end))
-            top = inside[int(np.argmax(np.abs(heading[inside])))]
-            side = float(np.sign(heading[top]))
-            axis.annotate(
-                f"{over:.1f}°",
-                (trial.t[top], heading[top]),
-                xytext=(0, 5 * side),
-                textcoords="offset points",
-                ha="center",
-                va="bottom" if side > 0 else "top",
-                fontsize=9,
-                color=REFERENCE,
-            )
-        axis.axhline(0.0, color=REFERENCE, lw=0.6)
-        axis.margins(y=0.14)
-        axis.set_xlabel("time from the first execute [s]")
-        axis.set_ylabel("heading ψ and rudder δ, to starboard [deg]")
-        axis.set_title(_title(trial))
-        legend_below(figure, [axis])
+    axis.axhline(0.0, color=REFERENCE, lw=0.6)
+    axis.margins(y=0.14)
+    axis.set_xlabel("time from the first execute [s]")
+    axis.set_ylabel("heading ψ and rudder δ, to starboard [deg]")
+    axis.set_title(_title(trial))
+    figure.legend_below([axis])
     return figure
 
 
@@ -228,11 +214,11 @@ def _stop_lines(axis: Axes, trial: _Trial) -> None:
         upright=True,
         guides=[((aside, head), (beyond, head))],
     )
-    axis.annotate(
+    axis.text(
+        aside,
+        head,
         f"lateral deviation {aside:+.2f} L\ntrack reach {trial.metrics['track_reach_L']:.2f} L",
-        (aside, head),
         xytext=(8, 6),
-        textcoords="offset points",
         fontsize=9,
         color=REFERENCE,
     )
@@ -246,18 +232,18 @@ def _arrow(axis: Axes, trial: _Trial) -> None:
     to = math.radians(current.direction_deg - trial.heading_deg)
     ahead, aside = 0.06 * math.cos(to), 0.06 * math.sin(to)
     middle = (0.88, 0.92)
-    axis.annotate(
-        "",
-        (middle[0] + aside, middle[1] + ahead),
+    axis.arrow(
         (middle[0] - aside, middle[1] - ahead),
-        xycoords="axes fraction",
-        textcoords="axes fraction",
-        arrowprops={"arrowstyle": "->", "color": colour(1), "lw": 1.6},
+        (middle[0] + aside, middle[1] + ahead),
+        color=colour(1),
+        lw=1.6,
+        fraction=True,
     )
-    axis.annotate(
+    axis.text(
+        middle[0],
+        middle[1] - 0.08,
         f"current {current.speed:.2f} m/s",
-        (middle[0], middle[1] - 0.08),
-        xycoords="axes fraction",
+        fraction=True,
         ha="center",
         va="top",
         fontsize=9,

@@ -18,7 +18,8 @@ from pmmkit.simulation import Track
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 
 @dataclass(frozen=True, kw_only=True)

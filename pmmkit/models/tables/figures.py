@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from pmmkit.conventions import Convention
 from pmmkit.numerics import Array
-from pmmkit.plotting import REFERENCE, canvas, colour, in_powers, legend_below, styled
+from pmmkit.plotting import REFERENCE, Axes, Figure, colour
 from pmmkit.presentation import figure_text
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 _COLUMNS: Final = 4
 
@@ -38,59 +34,48 @@ def over_froude(
     prefix = r"$10^3\,$" if factor == 1e3 else ""
     margin = 0.12 * (Fn[-1] - Fn[0]) or 0.02
     rows = math.ceil(len(names) / _COLUMNS)
-    with styled():
-        figure = canvas(1.45 * rows + 0.7)
-        axes = figure.subplots(rows, _COLUMNS, squeeze=False, sharex=True).ravel()
-        in_powers(axes)
-        for column, (axis, name) in enumerate(zip(axes, names, strict=False)):
-            own = factor * value[:, column]
-            error = [own - factor * low[:, column], factor * high[:, column] - own]
-            axis.set_title(prefix + f"${convention.latex(name)}$")
-            if np.all(np.isnan(own)):
-                _say(axis, "not determined\nby these runs")
-                axis.set_yticks([])
-                continue
-            if beside and name in beside[1]:
-                axis.plot(
-                    [Fn[0] - margin, *Fn, Fn[-1] + margin],
-                    factor * beside[1][name][[0, *range(len(Fn)), -1]],
-                    color=REFERENCE,
-                    ls="--",
-                    lw=1.2,
-                    label=figure_text(beside[0]),
-                )
-            axis.errorbar(
-                Fn,
-                own,
-                np.nan_to_num(error),
-                color=colour(0),
-                marker="o",
+    figure = Figure(height=1.45 * rows + 0.7)
+    axes = figure.subplots(rows, _COLUMNS, squeeze=False, sharex=True).ravel()
+    for column, (axis, name) in enumerate(zip(axes, names, strict=False)):
+        own = factor * value[:, column]
+        error = [own - factor * low[:, column], factor * high[:, column] - own]
+        axis.set_title(prefix + f"${convention.latex(name)}$")
+        if np.all(np.isnan(own)):
+            _say(axis, "not determined\nby these runs")
+            axis.set_yticks([])
+            continue
+        if beside and name in beside[1]:
+            axis.plot(
+                [Fn[0] - margin, *Fn, Fn[-1] + margin],
+                factor * beside[1][name][[0, *range(len(Fn)), -1]],
+                color=REFERENCE,
+                ls="--",
                 lw=1.2,
-                capsize=3,
-                label="this table, 95 % interval",
+                label=figure_text(beside[0]),
             )
-            axis.set_xlim(Fn[0] - margin, Fn[-1] + margin)
-            axis.margins(y=0.18)
-            axis.locator_params(axis="y", nbins=4)
-            axis.locator_params(axis="x", nbins=4)
-        for axis in axes[len(names) :]:
-            axis.set_axis_off()
-        _label_lowest(axes, len(names), "Froude number [-]")
-        legend_below(figure, list(axes[: len(names)]))
+        axis.errorbar(
+            Fn,
+            own,
+            np.nan_to_num(error),
+            color=colour(0),
+            marker="o",
+            lw=1.2,
+            capsize=3,
+            label="this table, 95 % interval",
+        )
+        axis.set_xlim(Fn[0] - margin, Fn[-1] + margin)
+        axis.margins(y=0.18)
+        axis.ticks_at_most(4, side="y")
+        axis.ticks_at_most(4, side="x")
+    for axis in axes[len(names) :]:
+        axis.remove()
+    _label_lowest(axes, len(names), "Froude number [-]")
+    figure.legend_below(list(axes[: len(names)]))
     return figure
 
 
 def _say(axis: Axes, text: str) -> None:
-    axis.text(
-        0.5,
-        0.5,
-        text,
-        transform=axis.transAxes,
-        ha="center",
-        va="center",
-        color=REFERENCE,
-        fontsize=9,
-    )
+    axis.text(0.5, 0.5, text, fraction=True, ha="center", va="center", color=REFERENCE, fontsize=9)
 
 
 def _label_lowest(axes: np.ndarray, used: int, label: str) -> None:
@@ -98,5 +83,4 @@ def _label_lowest(axes: np.ndarray, used: int, label: str) -> None:
     for column in range(_COLUMNS):
         panels = range(column, used, _COLUMNS)
         if panels:
-            axes[panels[-1]].tick_params(labelbottom=True)
-            axes[panels[-1]].set_xlabel(label)
+            axes[panels[-1]].label_below(label)

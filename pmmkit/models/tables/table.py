@@ -21,7 +21,8 @@ from pmmkit.presentation import Described, Grid, Group, Section, counted, listed
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 
 # What every file of a derivative table holds besides its rows, as plain data.

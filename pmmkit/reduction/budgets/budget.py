@@ -16,7 +16,8 @@ from pmmkit.presentation import Described, Grid, Group, Section, at_froude, coun
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 Gum = Literal["A", "B", "A, B"]
 Acts = Literal["bias", "precision"]

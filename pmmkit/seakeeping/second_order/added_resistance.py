@@ -23,7 +23,8 @@ from pmmkit.seakeeping.transfer import Rao, between, nearest
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 
 # Added resistance by formulas: STAWAVE-2 and SNNM.

@@ -1,1 +1,1 @@
-"""What people look at: each function gives a matplotlib Figure and changes nothing global."""
+"""What people look at: each function gives a Figure."""

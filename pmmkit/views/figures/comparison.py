@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -13,17 +13,7 @@ from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.identification import Trial
 from pmmkit.inference import COVERAGE
 from pmmkit.numerics import Array, rms
-from pmmkit.plotting import (
-    LIMIT,
-    canvas,
-    colour,
-    hatch,
-    in_powers,
-    legend_below,
-    manoeuvre,
-    styled,
-    trajectory,
-)
+from pmmkit.plotting import LIMIT, Axes, Figure, colour, hatch, manoeuvre, trajectory
 from pmmkit.presentation import figure_text
 from pmmkit.signals import design_matrix
 from pmmkit.simulation import Track
@@ -35,11 +25,6 @@ from pmmkit.views.figures.workshop import (
     static_forces,
 )
 
-if TYPE_CHECKING:
-    from matplotlib.collections import PolyCollection
-    from matplotlib.figure import Figure
-
-
 # Bars of an error beside the uncertainty that judges it.
 
 
@@ -49,39 +34,39 @@ def errors_and_uncertainties(bars: Mapping[str, Sequence[tuple[str, float, float
     bars: by channel names with both, in per cent of one force. Within U_V nothing can be said.
     """
     names = list(dict.fromkeys(name for own in bars.values() for name, _, _ in own))
-    with styled():
-        figure = canvas(0.24 * len(names) + 1.2)
-        axes = figure.subplots(1, len(bars), squeeze=False, sharey=True)[0]
-        for axis, (channel, own) in zip(axes, bars.items(), strict=True):
-            for within, label in ((False, "E beyond $U_V$"), (True, "E within $U_V$")):
-                some = [bar for bar in own if (bar[1] <= bar[2]) == within]
-                axis.barh(
-                    [names.index(name) for name, _, _ in some],
-                    [error for _, error, _ in some],
-                    height=0.66,
-                    color="#c9cdd3" if within else colour(0),
-                    hatch=hatch(1) if within else "",
-                    edgecolor="white",
-                    lw=0.0,
-                    label=label,
-                )
-            axis.errorbar(
-                [doubt for _, _, doubt in own],
-                [names.index(name) for name, _, _ in own],
-                yerr=0.42,
-                ls="",
-                color=colour(2),
-                elinewidth=2.6,
-                label="$U_V$ (k = 2)",
-                zorder=4,
+    figure = Figure(height=0.24 * len(names) + 1.2)
+    axes = figure.subplots(1, len(bars), squeeze=False, sharey=True)[0]
+    for axis, (channel, own) in zip(axes, bars.items(), strict=True):
+        for within, label in ((False, "E beyond $U_V$"), (True, "E within $U_V$")):
+            some = [bar for bar in own if (bar[1] <= bar[2]) == within]
+            if not some:
+                continue
+            axis.barh(
+                [names.index(name) for name, _, _ in some],
+                [error for _, error, _ in some],
+                height=0.66,
+                color="#c9cdd3" if within else colour(0),
+                hatch=hatch(1) if within else "",
+                edgecolor="white",
+                label=label,
             )
-            axis.set_title(f"{channel}")
-            axis.set_xlabel("part of the rms force [%]")
-            axis.set_xlim(left=0.0)
-            axis.grid(visible=False, axis="y")
-        axes[0].set_yticks(np.arange(len(names)), [figure_text(name) for name in names])
-        axes[0].set_ylim(len(names) - 0.4, -0.6)
-        legend_below(figure, list(axes))
+        axis.errorbar(
+            [doubt for _, _, doubt in own],
+            [names.index(name) for name, _, _ in own],
+            yerr=0.42,
+            ls="",
+            color=colour(2),
+            elinewidth=2.6,
+            label="$U_V$ (k = 2)",
+            zorder=4,
+        )
+        axis.set_title(f"{channel}")
+        axis.set_xlabel("part of the rms force [%]")
+        axis.set_xlim(left=0.0)
+        axis.without_grid("y")
+        axis.set_yticks(np.arange(len(names)), [figure_text(name) for name in names])
+    axes[0].set_ylim(len(names) - 0.4, -0.6)
+    figure.legend_below(list(axes))
     return figure
 
 
@@ -229,53 +214,45 @@ def _worst(runs: Sequence[CaptiveRun]) -> CaptiveRun:
 def loops(runs: Sequence[CaptiveRun]) -> Figure:
     """Hysteresis loops: force over velocity in a cycle, measured and predicted."""
     channels = channels_of(runs)
-    with styled():
-        figure = canvas(2.1 * len(channels) + 0.7)
-        axes = figure.subplots(len(channels), len(runs), squeeze=False, sharex="col")
-        in_powers(axes.flat)
-        for column, run in enumerate(runs):
-            x, what = _velocity(run)
-            order = max(int(label[1:]) for label in run.view.labels)
-            theta = np.linspace(0.0, 2 * np.pi, FINE)
-            basis = design_matrix(theta, order)[:, run.view.places]
-            whole = (
-                design_matrix(theta, order)
-                @ np.linalg.lstsq(_basis_at_samples(run, order), x, rcond=None)[0]
+    figure = Figure(height=2.1 * len(channels) + 0.7)
+    axes = figure.subplots(len(channels), len(runs), squeeze=False, sharex="col")
+    for column, run in enumerate(runs):
+        x, what = _velocity(run)
+        order = max(int(label[1:]) for label in run.view.labels)
+        theta = np.linspace(0.0, 2 * np.pi, FINE)
+        basis = design_matrix(theta, order)[:, run.view.places]
+        whole = (
+            design_matrix(theta, order)
+            @ np.linalg.lstsq(_basis_at_samples(run, order), x, rcond=None)[0]
+        )
+        for axis, channel in zip(axes[:, column], channels, strict=True):
+            if column == 0:
+                axis.set_ylabel(f"{channel} [{CHANNEL_UNITS[channel]}]")
+            if channel not in run.channels:
+                continue
+            measured = basis @ run.view.force[channel]
+            # That of its harmonics added up.
+            half = np.sqrt(basis**2 @ run.uncertainty(channel) ** 2)
+            _around(axis, whole, measured, half)
+            axis.plot(whole, measured, color=MEASURED, label="measured")
+            axis.plot(
+                whole, basis @ run.predicted[channel], color=PREDICTED, ls="--", label="predicted"
             )
-            for axis, channel in zip(axes[:, column], channels, strict=True):
-                if column == 0:
-                    axis.set_ylabel(f"{channel} [{CHANNEL_UNITS[channel]}]")
-                if channel not in run.channels:
-                    continue
-                measured = basis @ run.view.force[channel]
-                # That of its harmonics added up.
-                half = np.sqrt(basis**2 @ run.uncertainty(channel) ** 2)
-                axis.add_collection(_around(whole, measured, half))
-                axis.plot(whole, measured, color=MEASURED, label="measured")
-                axis.plot(
-                    whole,
-                    basis @ run.predicted[channel],
-                    color=PREDICTED,
-                    ls="--",
-                    label="predicted",
-                )
-            axes[0, column].set_title(
-                f"{run.view.run.kind_of_test.title}\n{figure_text(run.view.run.id)}"
-            )
-            axes[-1, column].set_xlabel(what)
-        legend_below(figure, list(axes.ravel()))
+        axes[0, column].set_title(
+            f"{run.view.run.kind_of_test.title}\n{figure_text(run.view.run.id)}"
+        )
+        axes[-1, column].set_xlabel(what)
+    figure.legend_below(list(axes.ravel()))
     return figure
 
 
-def _around(x: Array, y: Array, half: Array) -> PolyCollection:
+def _around(axis: Axes, x: Array, y: Array, half: Array) -> None:
     """A band about a closed curve: a quadrangle a step, opaque, since loops cross themselves."""
-    from matplotlib.collections import PolyCollection
-
     low, high = np.stack([x, y - half], axis=1), np.stack([x, y + half], axis=1)
     steps = np.stack([low[:-1], low[1:], high[1:], high[:-1]], axis=1)
-    return PolyCollection(
-        list(steps), color=_PALE, lw=0.3, zorder=1.5, label=f"{EXPANDED} of the error"
-    )
+    back = np.diff(x) < 0
+    steps[back] = steps[back, ::-1]  # two that turn against each other would leave a hole
+    axis.polygons(steps, color=_PALE, outline=0.3, zorder=1.5, label=f"{EXPANDED} of the error")
 
 
 def _basis_at_samples(run: CaptiveRun, order: int) -> Array:
@@ -304,33 +281,29 @@ def residual_in_time(comparison: Comparison, run: str) -> Figure:
     own = next(item for item in comparison.captive if item.view.run.id == run)
     thin = slice(None, None, max(1, len(table) // THIN))
     t = table["t"].to_numpy()[thin]
-    with styled():
-        figure = canvas(1.75 * len(channels) + 0.9)
-        axes = figure.subplots(len(channels), 2, squeeze=False, sharex=True)
-        in_powers(axes.flat)
-        for (left, right), channel in zip(axes, channels, strict=True):
-            measured = table[f"{channel}_measured"].to_numpy()[thin]
-            left.plot(t, measured, color=MEASURED, lw=0.9, label="measured")
-            predicted = table[f"{channel}_predicted"].to_numpy()[thin]
-            left.plot(t, predicted, color=PREDICTED, ls="--", label="predicted")
-            left.set_ylabel(f"{channel} [{CHANNEL_UNITS[channel]}]")
-            right.plot(
-                t,
-                table[f"{channel}_error"].to_numpy()[thin],
-                color=LIMIT,
-                lw=0.9,
-                label="predicted less measured",
-            )
-            half = own.rms(own.uncertainty(channel))
-            right.axhspan(
-                -half, half, color=MEASURED, alpha=0.2, lw=0, label=f"{EXPANDED} of the error"
-            )
-            right.axhline(0.0, color="#999999", lw=0.8)
-        axes[0, 0].set_title(figure_text(run))
-        axes[0, 1].set_title("what is left")
-        for axis in axes[-1]:
-            axis.set_xlabel("time [s]")
-        legend_below(figure, list(axes.ravel()))
+    figure = Figure(height=1.75 * len(channels) + 0.9)
+    axes = figure.subplots(len(channels), 2, squeeze=False, sharex=True)
+    for (left, right), channel in zip(axes, channels, strict=True):
+        measured = table[f"{channel}_measured"].to_numpy()[thin]
+        left.plot(t, measured, color=MEASURED, lw=0.9, label="measured")
+        predicted = table[f"{channel}_predicted"].to_numpy()[thin]
+        left.plot(t, predicted, color=PREDICTED, ls="--", label="predicted")
+        left.set_ylabel(f"{channel} [{CHANNEL_UNITS[channel]}]")
+        right.plot(
+            t,
+            table[f"{channel}_error"].to_numpy()[thin],
+            color=LIMIT,
+            lw=0.9,
+            label="predicted less measured",
+        )
+        half = own.rms(own.uncertainty(channel))
+        right.axhspan(-half, half, color=MEASURED, alpha=0.2, label=f"{EXPANDED} of the error")
+        right.axhline(0.0, color="#999999", lw=0.8)
+    axes[0, 0].set_title(figure_text(run))
+    axes[0, 1].set_title("what is left")
+    for axis in axes[-1]:
+        axis.set_xlabel("time [s]")
+    figure.legend_below(list(axes.ravel()))
     return figure
 
 
@@ -340,31 +313,22 @@ def residual_in_time(comparison: Comparison, run: str) -> Figure:
 def force_residuals(run: FreeRun) -> Figure:
     """Forces that the measured motion implies and those of the model, in time."""
     t = run.t - run.t[0]
-    with styled():
-        figure = canvas(1.75 * len(run.force) + 0.9)
-        axes = figure.subplots(len(run.force), 2, squeeze=False, sharex=True)
-        in_powers(axes.flat)
-        for (left, right), (channel, force) in zip(axes, run.force.items(), strict=True):
-            half = COVERAGE * run.force_std[channel]
-            predicted = run.force_predicted[channel]
-            left.fill_between(t, force - half, force + half, color=MEASURED, alpha=0.25, lw=0)
-            left.plot(t, force, color=MEASURED, lw=0.5, label="from the measured motion")
-            left.plot(t, predicted, color=PREDICTED, ls="--", label="model on that motion")
-            left.set_ylabel(f"{channel} [{CHANNEL_UNITS[channel]}]")
-            right.fill_between(
-                t,
-                -half,
-                half,
-                color=MEASURED,
-                alpha=0.3,
-                zorder=3,
-                lw=0,
-                label="expanded uncertainty",
-            )
-            right.plot(t, predicted - force, color=LIMIT, lw=0.5, label="predicted less measured")
-        axes[0, 0].set_title(f"{run.run.kind_of_test.title} {figure_text(run.name)}")
-        axes[0, 1].set_title("what is left")
-        for axis in axes[-1]:
-            axis.set_xlabel("time [s]")
-        legend_below(figure, list(axes.ravel()))
+    figure = Figure(height=1.75 * len(run.force) + 0.9)
+    axes = figure.subplots(len(run.force), 2, squeeze=False, sharex=True)
+    for (left, right), (channel, force) in zip(axes, run.force.items(), strict=True):
+        half = COVERAGE * run.force_std[channel]
+        predicted = run.force_predicted[channel]
+        left.fill_between(t, force - half, force + half, color=MEASURED, alpha=0.25)
+        left.plot(t, force, color=MEASURED, lw=0.5, label="from the measured motion")
+        left.plot(t, predicted, color=PREDICTED, ls="--", label="model on that motion")
+        left.set_ylabel(f"{channel} [{CHANNEL_UNITS[channel]}]")
+        right.fill_between(
+            t, -half, half, color=MEASURED, alpha=0.3, zorder=3, label="expanded uncertainty"
+        )
+        right.plot(t, predicted - force, color=LIMIT, lw=0.5, label="predicted less measured")
+    axes[0, 0].set_title(f"{run.run.kind_of_test.title} {figure_text(run.name)}")
+    axes[0, 1].set_title("what is left")
+    for axis in axes[-1]:
+        axis.set_xlabel("time [s]")
+    figure.legend_below(list(axes.ravel()))
     return figure

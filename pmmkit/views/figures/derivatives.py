@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -13,25 +13,10 @@ from pmmkit.base import TableError
 from pmmkit.conventions import CHANNELS, Convention, parse_derivative
 from pmmkit.models import DerivativeTable, alike, compare
 from pmmkit.numerics import Array
-from pmmkit.plotting import (
-    INK,
-    REFERENCE,
-    canvas,
-    colour,
-    hatch,
-    in_powers,
-    legend_below,
-    marker,
-    styled,
-)
+from pmmkit.plotting import INK, RED_BLUE, REFERENCE, Axes, Figure, Shades, colour, hatch, marker
 from pmmkit.plotting import colour as colour_style
 from pmmkit.presentation import counted, figure_text
 from pmmkit.reduction import Growth
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 # Derivatives of several laboratories as bars side by side.
 
@@ -72,8 +57,8 @@ def derivative_bars(tables: Mapping[str, DerivativeTable]) -> Figure:
     >>> from pmmkit.models import from_values
     >>> ship = Ship(name="m", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=500.0)
     >>> D, S = (from_values({"Yv": x, "Yvvv": 9 * x}, ship=ship, water=Water()) for x in (-.2, -.3))
-    >>> [len(axis.patches) for axis in derivative_bars({"tank": D, "CFD": S}).axes]
-    [2, 2]
+    >>> [axis.xticks.labels for axis in derivative_bars({"tank": D, "CFD": S}).shown]
+    [("$Y'_{v}$",), ("$Y'_{vvv}$",)]
     """
     if len(tables) < 2:
         raise TableError("Bars side by side need the tables of at least two sources.")
@@ -92,32 +77,30 @@ def derivative_bars(tables: Mapping[str, DerivativeTable]) -> Figure:
         raise TableError("The tables have no derivative in common.")
     panels = _panels(groups, len(first.Fn))
     rows, columns = (1 + max(place[axis] for place in panels) for axis in (0, 1))
-    with styled():
-        figure = canvas(1.9 * rows + 1.1)
-        axes = figure.subplots(
-            rows, columns, squeeze=False, sharey="row" if len(first.Fn) > 1 else False
+    figure = Figure(height=1.9 * rows + 1.1)
+    axes = figure.subplots(
+        rows, columns, squeeze=False, sharey="row" if len(first.Fn) > 1 else False
+    )
+    for place, axis in np.ndenumerate(axes):
+        if place not in panels:
+            axis.remove()
+            continue
+        names, row = panels[place]
+        for number, (source, table) in enumerate({label: first, **others}.items()):
+            own = 0 if table.pooled else row
+            _bars(axis, names, table, own, number, len(tables), figure_text(source))
+        axis.axhline(0.0, color=REFERENCE, lw=0.8)
+        axis.set_xticks(
+            np.arange(len(names)), [f"${first.convention.latex(name)}$" for name in names]
         )
-        in_powers(axes.flat)
-        for place, axis in np.ndenumerate(axes):
-            if place not in panels:
-                axis.remove()
-                continue
-            names, row = panels[place]
-            for number, (source, table) in enumerate({label: first, **others}.items()):
-                own = 0 if table.pooled else row
-                _bars(axis, names, table, own, number, len(tables), figure_text(source))
-            axis.axhline(0.0, color=REFERENCE, lw=0.8)
-            axis.set_xticks(
-                np.arange(len(names)), [f"${first.convention.latex(name)}$" for name in names]
-            )
-            axis.set_xlim(-0.6, max(len(names), _LEAST) - 0.4)
-            axis.grid(visible=False, axis="x")
-            line, column = place
-            if (line, column - 1) not in panels:
-                axis.set_ylabel(f"$10^3\\times$ {names[0][0]} [-]")
-            if not first.pooled and panels.get((line - 1, column), ([], -1))[1] != row:
-                axis.set_title(f"Fn {first.Fn[row]:.3f}")
-        legend_below(figure, figure.axes)
+        axis.set_xlim(-0.6, max(len(names), _LEAST) - 0.4)
+        axis.without_grid("x")
+        line, column = place
+        if (line, column - 1) not in panels:
+            axis.set_ylabel(f"$10^3\\times$ {names[0][0]} [-]")
+        if not first.pooled and panels.get((line - 1, column), ([], -1))[1] != row:
+            axis.set_title(f"Fn {first.Fn[row]:.3f}")
+    figure.legend_below(figure.shown)
     return figure
 
 
@@ -179,10 +162,8 @@ def _bars(
         width,
         yerr=np.nan_to_num(np.abs([value - low, high - value])),
         color=colour(number),
-        hatch=hatch(number) if number else None,
+        hatch=hatch(number) if number else "",
         edgecolor="white",
-        linewidth=0.4,
-        error_kw={"elinewidth": 0.9, "capsize": 2},
         label=label,
     )
 
@@ -194,6 +175,7 @@ _TOLD: Final = 0.5
 """Correlation from which on the number stands in its cell."""
 _CELL: Final = 0.27
 """Side of a cell [inch]."""
+_SHADES: Final = Shades(levels=(-1.0, 1.0), colours=RED_BLUE, smooth=True)
 
 
 def correlated(table: DerivativeTable, Fn: float | None = None) -> tuple[list[str], Array]:
@@ -235,25 +217,23 @@ def correlations(table: DerivativeTable, Fn: float | None = None) -> Figure:
     """The correlation matrix of the derivatives, in blocks of X, Y, N and K."""
     names, matrix = correlated(table, Fn)
     size = len(names)
-    with styled():
-        figure = canvas(_CELL * size + 1.3, max(5.0, _CELL * size + 2.0))
-        axis = figure.subplots()
-        picture = axis.imshow(matrix, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
-        axis.grid(visible=False)
-        symbols = [f"${table.convention.latex(name)}$" for name in names]
-        axis.set_xticks(range(size), symbols, rotation=90)
-        axis.set_yticks(range(size), symbols)
-        axis.spines[:].set_visible(False)
-        axis.tick_params(length=0)
-        for place, (one, other) in enumerate(itertools.pairwise(names)):
-            if one[0] != other[0]:
-                axis.axhline(place + 0.5, color=INK, lw=1.0)
-                axis.axvline(place + 0.5, color=INK, lw=1.0)
-        _numbers(axis, matrix)
-        bar = figure.colorbar(picture, ax=axis, shrink=0.6, aspect=30)
-        bar.set_label("correlation [-]; in the cells in hundredths")
-        froude = table.Fn[_row(table, Fn)]
-        axis.set_title("all speeds" if table.pooled else f"Fn {froude:.3f}")
+    figure = Figure(height=_CELL * size + 1.3, width=max(5.0, _CELL * size + 2.0))
+    axis = figure.subplots()
+    cells = axis.mosaic(matrix, _SHADES, x=-0.5, y=-0.5)
+    axis.set_ylim(size - 0.5, -0.5)
+    axis.set_aspect_equal("box")
+    symbols = [f"${table.convention.latex(name)}$" for name in names]
+    axis.set_xticks(range(size), symbols, rotation=90)
+    axis.set_yticks(range(size), symbols)
+    axis.without_frame()
+    for place, (one, other) in enumerate(itertools.pairwise(names)):
+        if one[0] != other[0]:
+            axis.axhline(place + 0.5, color=INK, lw=1.0)
+            axis.axvline(place + 0.5, color=INK, lw=1.0)
+    _numbers(axis, matrix)
+    figure.colour_key(cells, "correlation [-]; in the cells in hundredths")
+    froude = table.Fn[_row(table, Fn)]
+    axis.set_title("all speeds" if table.pooled else f"Fn {froude:.3f}")
     return figure
 
 
@@ -308,41 +288,41 @@ def growth_over_depth(grown: Sequence[Growth], *, convention: Convention) -> Fig
     """
     names = list(dict.fromkeys(item.name for item in grown))
     rows = math.ceil(len(names) / _PANELS)
-    with styled():
-        figure = canvas(1.9 * rows + 0.9)
-        axes = figure.subplots(rows, min(_PANELS, len(names)), squeeze=False)
-        panels = axes.ravel().tolist()
-        for axis, name in zip(panels, names, strict=False):
-            own = sorted((x for x in grown if x.name == name), key=lambda item: item.ratio)
-            ratio = np.array([*(item.ratio for item in own), own[0].deepest])
-            axis.axhline(1.0, color=REFERENCE, lw=0.8)
-            axis.plot(
-                ratio,
-                [*(item.formula for item in own), 1.0],
-                color=REFERENCE,
-                ls="--",
-                marker="x",
-                label="formula",
-            )
-            axis.errorbar(
-                ratio,
-                [*(item.factor for item in own), 1.0],
-                [*(item.half for item in own), 0.0],
-                color=colour(0),
-                marker="o",
-                lw=1.2,
-                capsize=3,
-                label="measured, 95 % interval",
-            )
-            axis.set_title(f"${convention.latex(name)}$")
-            axis.margins(x=0.15, y=0.18)
-            axis.locator_params(nbins=4)
-        for axis in panels[len(names) :]:
-            axis.remove()
-        for axis in panels[: len(names)]:
-            axis.set_xlabel("h / T [-]")
-        panels[0].set_ylabel("over the deepest [-]")
-        legend_below(figure, panels[:1])
+    figure = Figure(height=1.9 * rows + 0.9)
+    axes = figure.subplots(rows, min(_PANELS, len(names)), squeeze=False)
+    panels = axes.ravel().tolist()
+    for axis, name in zip(panels, names, strict=False):
+        own = sorted((x for x in grown if x.name == name), key=lambda item: item.ratio)
+        ratio = np.array([*(item.ratio for item in own), own[0].deepest])
+        axis.axhline(1.0, color=REFERENCE, lw=0.8)
+        axis.plot(
+            ratio,
+            [*(item.formula for item in own), 1.0],
+            color=REFERENCE,
+            ls="--",
+            marker="x",
+            label="formula",
+        )
+        axis.errorbar(
+            ratio,
+            [*(item.factor for item in own), 1.0],
+            [*(item.half for item in own), 0.0],
+            color=colour(0),
+            marker="o",
+            lw=1.2,
+            capsize=3,
+            label="measured, 95 % interval",
+        )
+        axis.set_title(f"${convention.latex(name)}$")
+        axis.margins(x=0.15, y=0.18)
+        axis.ticks_at_most(4, side="x")
+        axis.ticks_at_most(4, side="y")
+    for axis in panels[len(names) :]:
+        axis.remove()
+    for axis in panels[: len(names)]:
+        axis.set_xlabel("h / T [-]")
+    panels[0].set_ylabel("over the deepest [-]")
+    figure.legend_below(panels[:1])
     return figure
 
 
@@ -392,7 +372,7 @@ def beside_reference(
     Returns
     -------
     Figure
-        A matplotlib figure.
+        The figure.
 
     Raises
     ------
@@ -414,36 +394,35 @@ def beside_reference(
     channels = [channel for channel in CHANNELS if any(name[0] == channel for name in shown)]
     counts = [sum(name[0] == channel for name in shown) for channel in channels]
     sets = len(table.Fn)
-    with styled():
-        figure = canvas(_ROW * (1 + 0.5 * sets) * len(shown) + 0.2 * len(channels) + 0.8)
-        axes = figure.subplots(
-            len(channels), 1, sharex=True, squeeze=False, height_ratios=counts
-        ).ravel()
-        for axis, channel in zip(axes, channels, strict=True):
-            group = [name for name in shown if name[0] == channel]
-            columns = [table.index(name) for name in group]
-            for row in range(sets):
-                place = np.arange(len(group)) + 0.22 * (row - (sets - 1) / 2)
-                label = "all speeds" if table.pooled else f"Fn {table.Fn[row]:.3f}"
-                _dots(axis, ratio[row, columns], ends[:, row, columns], place, row, label, limits)
-            for gap in np.flatnonzero(np.all(np.isnan(ratio[:, columns]), axis=0)):
-                axis.text(
-                    limits[0],
-                    gap,
-                    "  not determined by these runs",
-                    va="center",
-                    fontsize=8,
-                    color=REFERENCE,
-                )
-            axis.axvline(1.0, color=REFERENCE, ls="--", lw=1.2, zorder=1)
-            axis.set_yticks(
-                np.arange(len(group)), [f"${table.convention.latex(name)}$" for name in group]
+    figure = Figure(height=_ROW * (1 + 0.5 * sets) * len(shown) + 0.2 * len(channels) + 0.8)
+    axes = figure.subplots(
+        len(channels), 1, sharex=True, squeeze=False, height_ratios=counts
+    ).ravel()
+    for axis, channel in zip(axes, channels, strict=True):
+        group = [name for name in shown if name[0] == channel]
+        columns = [table.index(name) for name in group]
+        for row in range(sets):
+            place = np.arange(len(group)) + 0.22 * (row - (sets - 1) / 2)
+            label = "all speeds" if table.pooled else f"Fn {table.Fn[row]:.3f}"
+            _dots(axis, ratio[row, columns], ends[:, row, columns], place, row, label, limits)
+        for gap in np.flatnonzero(np.all(np.isnan(ratio[:, columns]), axis=0)):
+            axis.text(
+                limits[0],
+                gap,
+                "  not determined by these runs",
+                va="center",
+                fontsize=8,
+                color=REFERENCE,
             )
-            axis.set_ylim(len(group) - 0.4, -0.6)
-            axis.set_xlim(limits)
-            axis.grid(visible=False, axis="y")
-        axes[-1].set_xlabel(f"value over that of {figure_text(reference_name)} [-]")
-        legend_below(figure, list(axes))
+        axis.axvline(1.0, color=REFERENCE, ls="--", lw=1.2, zorder=1)
+        axis.set_yticks(
+            np.arange(len(group)), [f"${table.convention.latex(name)}$" for name in group]
+        )
+        axis.set_ylim(len(group) - 0.4, -0.6)
+        axis.set_xlim(limits)
+        axis.without_grid("y")
+    axes[-1].set_xlabel(f"value over that of {figure_text(reference_name)} [-]")
+    figure.legend_below(list(axes))
     return figure
 
 
@@ -476,11 +455,11 @@ def _dots(
             continue
         right = bool(value > limits[1])
         axis.plot(limits[right], height, marker=">" if right else "<", color=colour, clip_on=False)
-        axis.annotate(
+        axis.text(
+            limits[right],
+            height,
             f"{value:.3g}",
-            (limits[right], height),
             xytext=(-8 if right else 8, 0),
-            textcoords="offset points",
             ha="right" if right else "left",
             va="center",
             fontsize=8,

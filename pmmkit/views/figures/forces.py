@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -13,14 +13,9 @@ from pmmkit.effects import Regressors, State
 from pmmkit.inference import std_along
 from pmmkit.models import DerivativeTable
 from pmmkit.numerics import Array
-from pmmkit.plotting import canvas, colour, dash, in_powers, legend_below, marker, styled
+from pmmkit.plotting import Axes, Figure, colour, dash, marker
 from pmmkit.presentation import WIDE
 from pmmkit.signals import design_matrix
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 # Forces of one oscillating test at several Froude numbers, on top of each other.
 
@@ -38,42 +33,41 @@ def cycles_by_froude(
 ) -> Figure:
     """Forces over a cycle at several Froude numbers: what of them changes with the speed."""
     theta = np.linspace(0.0, 2.0 * np.pi, 241)
-    with styled():
-        figure = canvas(1.9 * len(channels) + 0.8)
-        axes = figure.subplots(len(channels), len(tests), squeeze=False, sharex=True)
-        for column, (title, runs) in enumerate(tests.items()):
-            for axis, channel in zip(axes[:, column], channels, strict=True):
-                for number, (froude, coefficients, covariance) in enumerate(runs):
-                    if channel not in coefficients:
-                        continue
-                    known = np.nan_to_num(coefficients[channel])
-                    basis = design_matrix(theta, (len(known) - 1) // 2)
-                    value = 1e3 * basis @ known
-                    axis.plot(
+    figure = Figure(height=1.9 * len(channels) + 0.8)
+    axes = figure.subplots(len(channels), len(tests), squeeze=False, sharex=True)
+    for column, (title, runs) in enumerate(tests.items()):
+        for axis, channel in zip(axes[:, column], channels, strict=True):
+            for number, (froude, coefficients, covariance) in enumerate(runs):
+                if channel not in coefficients:
+                    continue
+                known = np.nan_to_num(coefficients[channel])
+                basis = design_matrix(theta, (len(known) - 1) // 2)
+                value = 1e3 * basis @ known
+                axis.plot(
+                    np.degrees(theta),
+                    value,
+                    color=colour(number),
+                    ls=dash(number),
+                    label=f"Fn {froude:.3f}",
+                )
+                if channel in covariance:
+                    V = np.nan_to_num(covariance[channel])
+                    half = WIDE * 1e3 * std_along(basis, V)
+                    axis.fill_between(
                         np.degrees(theta),
-                        value,
+                        value - half,
+                        value + half,
                         color=colour(number),
-                        ls=dash(number),
-                        label=f"Fn {froude:.3f}",
+                        alpha=0.18,
                     )
-                    if channel in covariance:
-                        V = np.nan_to_num(covariance[channel])
-                        half = WIDE * 1e3 * std_along(basis, V)
-                        axis.fill_between(
-                            np.degrees(theta),
-                            value - half,
-                            value + half,
-                            color=colour(number),
-                            alpha=0.18,
-                            lw=0,
-                        )
-                if column == 0:
-                    axis.set_ylabel(f"$10^3\\,{channel}{stroke}$ [-]")
-            axes[0, column].set_title(title)
-            axes[-1, column].set_xlabel("phase θ [deg]")
-            axes[-1, column].set_xlim(0, 360)
-            axes[-1, column].set_xticks([0, 90, 180, 270, 360])
-        legend_below(figure, list(axes.ravel()))
+            if column == 0:
+                axis.set_ylabel(f"$10^3\\,{channel}{stroke}$ [-]")
+        axes[0, column].set_title(title)
+        axes[-1, column].set_xlabel("phase θ [deg]")
+        for axis in axes[:, column]:
+            axis.set_xlim(0, 360)
+            axis.set_xticks([0, 90, 180, 270, 360])
+    figure.legend_below(list(axes.ravel()))
     return figure
 
 
@@ -126,39 +120,35 @@ def forces_over_drift(
     channels: Sequence[str] = ("X", "Y", "N"),
 ) -> Figure:
     """Non-dimensional forces over the drift angle, with the table's curves and intervals."""
-    with styled():
-        figure = canvas(3.5)
-        axes = figure.subplots(1, len(channels), squeeze=False)[0]
-        in_powers(axes)
-        for axis, channel in zip(axes, channels, strict=True):
-            what, unit = _WHAT[channel]
-            factor = 1e3 if table else 1.0
-            for number, group in enumerate(points):
-                if channel not in group.force:
-                    continue
-                divide = unit_in(table, channel, group.froude) if table else 1.0
-                shrunk = min(1.0, math.sqrt(_ROOMY / len(group.drift)))
-                scale = factor / divide
-                if table:
-                    _curve(axis, table, channel, group, scale, colour(number))
-                known = np.isfinite(group.std[channel]).any()
-                axis.errorbar(
-                    np.degrees(group.drift),
-                    scale * group.force[channel],
-                    np.nan_to_num(WIDE * scale * group.std[channel]) if known else None,
-                    ls="",
-                    marker=marker(number),
-                    color=colour(number),
-                    capsize=2 * shrunk,
-                    ms=4.5 * shrunk,
-                    label=f"Fn {group.froude:.3f}",
-                )
-            stroke = "''" if table and table.convention.system == "bis" else "'"
-            axis.set_title(
-                f"{what} $10^3\\,{channel}{stroke}$ [-]" if table else f"{what} [{unit}]"
+    figure = Figure(height=3.5)
+    axes = figure.subplots(1, len(channels), squeeze=False)[0]
+    for axis, channel in zip(axes, channels, strict=True):
+        what, unit = _WHAT[channel]
+        factor = 1e3 if table else 1.0
+        for number, group in enumerate(points):
+            if channel not in group.force:
+                continue
+            divide = unit_in(table, channel, group.froude) if table else 1.0
+            shrunk = min(1.0, math.sqrt(_ROOMY / len(group.drift)))
+            scale = factor / divide
+            if table:
+                _curve(axis, table, channel, group, scale, colour(number))
+            known = np.isfinite(group.std[channel]).any()
+            axis.errorbar(
+                np.degrees(group.drift),
+                scale * group.force[channel],
+                np.nan_to_num(WIDE * scale * group.std[channel]) if known else None,
+                ls="",
+                marker=marker(number),
+                color=colour(number),
+                capsize=2 * shrunk,
+                ms=4.5 * shrunk,
+                label=f"Fn {group.froude:.3f}",
             )
-            axis.set_xlabel("drift angle β [deg]")
-        legend_below(figure, list(axes))
+        stroke = "''" if table and table.convention.system == "bis" else "'"
+        axis.set_title(f"{what} $10^3\\,{channel}{stroke}$ [-]" if table else f"{what} [{unit}]")
+        axis.set_xlabel("drift angle β [deg]")
+    figure.legend_below(list(axes))
     return figure
 
 
@@ -199,7 +189,7 @@ def _curve(
     covariance = table.covariance[row, columns][:, row, columns]
     half = WIDE * std_along(design, covariance)
     axis.plot(np.degrees(drift), value, color=hue, lw=1.3)
-    axis.fill_between(np.degrees(drift), value - half, value + half, color=hue, alpha=0.18, lw=0)
+    axis.fill_between(np.degrees(drift), value - half, value + half, color=hue, alpha=0.18)
 
 
 def over_a_cycle(cycles: Sequence[Cycle], *, channels: Sequence[str] = ("X", "Y", "N")) -> Figure:
@@ -208,37 +198,35 @@ def over_a_cycle(cycles: Sequence[Cycle], *, channels: Sequence[str] = ("X", "Y"
     All cycles that were used lie on top of each other.
     """
     fine = np.linspace(0, 2 * np.pi, 241)
-    with styled():
-        figure = canvas(1.9 * len(channels) + 0.8)
-        axes = figure.subplots(len(channels), len(cycles), squeeze=False, sharex=True)
-        in_powers(axes.flat)
-        for column, cycle in enumerate(cycles):
-            thin = slice(None, None, max(1, len(cycle.theta) // _POINTS))
-            phase = np.degrees(np.mod(cycle.theta[thin], 2 * np.pi))
-            for axis, channel in zip(axes[:, column], channels, strict=True):
-                what, unit = _WHAT[channel]
-                if column == 0:
-                    axis.set_ylabel(f"{what} {channel} [{unit}]")
-                if channel not in cycle.samples:
-                    continue
-                axis.plot(
-                    phase,
-                    cycle.samples[channel][thin],
-                    ls="",
-                    marker=".",
-                    ms=2.5,
-                    color="#b9c4cf",
-                    rasterized=True,
-                    label="recorded",
-                )
-                order = (len(cycle.coefficients[channel]) - 1) // 2
-                fit = design_matrix(fine, order) @ np.nan_to_num(cycle.coefficients[channel])
-                axis.plot(np.degrees(fine), fit, color=colour(0), label=f"harmonics 0 to {order}")
-            axes[0, column].set_title(cycle.title)
-            axes[-1, column].set_xlabel("phase θ [deg]")
-            axes[-1, column].set_xlim(0, 360)
-            axes[-1, column].set_xticks([0, 90, 180, 270, 360])
-        told = "θ = 0 where the displacement passes zero upwards"
-        figure.suptitle(told, x=0.01, ha="left", fontsize=9)
-        legend_below(figure, list(axes.ravel()))
+    figure = Figure(height=1.9 * len(channels) + 0.8)
+    axes = figure.subplots(len(channels), len(cycles), squeeze=False, sharex=True)
+    for column, cycle in enumerate(cycles):
+        thin = slice(None, None, max(1, len(cycle.theta) // _POINTS))
+        phase = np.degrees(np.mod(cycle.theta[thin], 2 * np.pi))
+        for axis, channel in zip(axes[:, column], channels, strict=True):
+            what, unit = _WHAT[channel]
+            if column == 0:
+                axis.set_ylabel(f"{what} {channel} [{unit}]")
+            if channel not in cycle.samples:
+                continue
+            axis.plot(
+                phase,
+                cycle.samples[channel][thin],
+                ls="",
+                marker=".",
+                ms=2.5,
+                color="#b9c4cf",
+                label="recorded",
+            )
+            order = (len(cycle.coefficients[channel]) - 1) // 2
+            fit = design_matrix(fine, order) @ np.nan_to_num(cycle.coefficients[channel])
+            axis.plot(np.degrees(fine), fit, color=colour(0), label=f"harmonics 0 to {order}")
+        axes[0, column].set_title(cycle.title)
+        axes[-1, column].set_xlabel("phase θ [deg]")
+        for axis in axes[:, column]:
+            axis.set_xlim(0, 360)
+            axis.set_xticks([0, 90, 180, 270, 360])
+    told = "θ = 0 where the displacement passes zero upwards"
+    figure.suptitle(told, fontsize=9)
+    figure.legend_below(list(axes.ravel()))
     return figure

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from pmmkit.base import TableError
 from pmmkit.models import DerivativeTable, alike, compare
 from pmmkit.numerics import Array
-from pmmkit.plotting import INK, REFERENCE, beyond, canvas, dash, legend_below, marker, styled
+from pmmkit.plotting import INK, REFERENCE, Axes, Figure, beyond, dash, marker
 from pmmkit.plotting import colour as colour_style
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 _LIMIT: Final = 4.0
 """Half width of the axis, in half intervals of the first method."""
@@ -51,39 +47,34 @@ def forest(
         raise TableError("No derivative has a value and an interval in two of the tables.")
     sizes = np.array([len(sources[name]) + _GAP for name in names])
     tops = np.cumsum(sizes) - sizes
-    with styled():
-        figure = canvas(1.0 + _ROW * float(sizes.sum()))
-        axes = figure.subplots(1, len(shown), squeeze=False, sharey=True)[0]
-        for axis, row in zip(axes, shown, strict=True):
-            froude = float(first.Fn[row])
-            zero = _column(names, first, first.value, froude)
-            scale = _column(names, first, half, froude)
-            axis.axvspan(-1.0, 1.0, color=_BAND, lw=0, zorder=0.5, label=f"{title}, 95 %")
-            axis.axvline(0.0, color=REFERENCE, lw=1.0, ls="--", zorder=1)
-            for top, size in zip(tops[1::2], sizes[1::2], strict=True):
-                axis.axhspan(top, top + size, color=_PALE, lw=0, zorder=0)
-            for number, (label, table) in enumerate(others.items()):
-                value, low, high = (
-                    (_column(names, table, own, froude) - zero) / scale
-                    for own in (table.value, *table.interval())
-                )
-                places = _places(label, names, sources, tops)
-                _bars(axis, value, low, high, places, number, label)
-            if published:
-                beside = [published[name][row] if name in published else np.nan for name in names]
-                places = _places(reference_name, names, sources, tops)
-                _crosses(axis, (np.array(beside) - zero) / scale, places, reference_name)
-            axis.set_xlim(-_LIMIT, _LIMIT)
-            axis.set_ylim(float(sizes.sum()), 0.0)
-            axis.set_yticks(
-                tops + sizes / 2, [f"${first.convention.latex(name)}$" for name in names]
+    figure = Figure(height=1.0 + _ROW * float(sizes.sum()))
+    axes = figure.subplots(1, len(shown), squeeze=False, sharey=True)[0]
+    for axis, row in zip(axes, shown, strict=True):
+        froude = float(first.Fn[row])
+        zero = _column(names, first, first.value, froude)
+        scale = _column(names, first, half, froude)
+        axis.axvspan(-1.0, 1.0, color=_BAND, zorder=0.5, label=f"{title}, 95 %")
+        axis.axvline(0.0, color=REFERENCE, lw=1.0, ls="--", zorder=1)
+        for top, size in zip(tops[1::2], sizes[1::2], strict=True):
+            axis.axhspan(top, top + size, color=_PALE, zorder=0)
+        for number, (label, table) in enumerate(others.items()):
+            value, low, high = (
+                (_column(names, table, own, froude) - zero) / scale
+                for own in (table.value, *table.interval())
             )
-            axis.grid(visible=False, axis="y")
-            axis.set_title("all speeds" if first.pooled else f"Fn {froude:.3f}")
-        axes[len(axes) // 2].set_xlabel(
-            f"difference to the {title} / half of its 95 % interval [-]"
-        )
-        legend_below(figure, list(axes), columns=3)
+            places = _places(label, names, sources, tops)
+            _bars(axis, value, low, high, places, number, label)
+        if published:
+            beside = [published[name][row] if name in published else np.nan for name in names]
+            places = _places(reference_name, names, sources, tops)
+            _crosses(axis, (np.array(beside) - zero) / scale, places, reference_name)
+        axis.set_xlim(-_LIMIT, _LIMIT)
+        axis.set_ylim(float(sizes.sum()), 0.0)
+        axis.set_yticks(tops + sizes / 2, [f"${first.convention.latex(name)}$" for name in names])
+        axis.without_grid("y")
+        axis.set_title("all speeds" if first.pooled else f"Fn {froude:.3f}")
+    figure.supxlabel(f"difference to the {title} / half of its 95 % interval [-]")
+    figure.legend_below(list(axes), columns=3)
     return figure
 
 

@@ -11,23 +11,11 @@ import numpy as np
 from pmmkit.base import UnknownNameError
 from pmmkit.conventions import Convention
 from pmmkit.effects import CATALOGUE
-from pmmkit.plotting import (
-    INK,
-    LIMIT,
-    REFERENCE,
-    canvas,
-    in_powers,
-    legend_below,
-    open_mark,
-    styled,
-)
+from pmmkit.plotting import INK, LIMIT, REFERENCE, Axes, Figure, open_mark
 from pmmkit.plotting import colour as colour_style
 from pmmkit.presentation import WIDE, figure_text
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from pmmkit.identification import Filtered, FreeRecord, PredictedWindow
     from pmmkit.inference import Innovations
 
@@ -92,41 +80,35 @@ def parameter_histories(
     histories = np.concatenate([found.histories[item.name] for item in records])[:, first:]
     spreads = np.concatenate([found.spreads[item.name] for item in records])[:, first:]
     rows = math.ceil(len(shown) / _COLUMNS)
-    with styled():
-        figure = canvas(1.6 * rows + 0.7)
-        grid = figure.subplots(rows, min(_COLUMNS, len(shown)), squeeze=False, sharex=True)
-        axes = grid.ravel()
-        for axis, name in zip(axes, shown, strict=False):
-            i = found.names.index(name)
-            half = WIDE * np.sqrt(np.maximum(spreads[:, i], 0.0))
-            mean, wide = found.prior.mean[i], WIDE * found.prior.std[i]
-            axis.axhspan(
-                mean - wide, mean + wide, color="#ececec", lw=0, zorder=0, label="prior, 95 %"
-            )
-            axis.axhline(mean, color=REFERENCE, lw=1.0, ls="--", zorder=1, label="prior mean")
-            axis.fill_between(
-                t,
-                histories[:, i] - half,
-                histories[:, i] + half,
-                color=colour_style(0),
-                alpha=0.25,
-                lw=0,
-                label="95 % band",
-            )
-            axis.plot(t, histories[:, i], color=colour_style(0), label=f"{found.method}")
-            for start in starts[1:]:
-                axis.axvline(start, color="#999999", lw=0.8, ls=":")
-            axis.set_title(f"{(convention or Convention()).symbol(name)} [{_unit(name)}]")
-            axis.set_xlim(t[0], t[-1])
-            axis.locator_params(axis="y", nbins=4)
-        in_powers(axes[: len(shown)])
-        for axis in axes[len(shown) :]:
-            axis.set_axis_off()
-        for column in range(grid.shape[1]):
-            lowest = axes[range(column, len(shown), grid.shape[1])[-1]]
-            lowest.tick_params(labelbottom=True)
-            lowest.set_xlabel("time, records joined [s]" if len(records) > 1 else "time [s]")
-        legend_below(figure, list(axes[: len(shown)]))
+    figure = Figure(height=1.6 * rows + 0.7)
+    grid = figure.subplots(rows, min(_COLUMNS, len(shown)), squeeze=False, sharex=True)
+    axes = grid.ravel()
+    for axis, name in zip(axes, shown, strict=False):
+        i = found.names.index(name)
+        half = WIDE * np.sqrt(np.maximum(spreads[:, i], 0.0))
+        mean, wide = found.prior.mean[i], WIDE * found.prior.std[i]
+        axis.axhspan(mean - wide, mean + wide, color="#ececec", zorder=0, label="prior, 95 %")
+        axis.axhline(mean, color=REFERENCE, lw=1.0, ls="--", zorder=1, label="prior mean")
+        axis.fill_between(
+            t,
+            histories[:, i] - half,
+            histories[:, i] + half,
+            color=colour_style(0),
+            alpha=0.25,
+            label="95 % band",
+        )
+        axis.plot(t, histories[:, i], color=colour_style(0), label=f"{found.method}")
+        for start in starts[1:]:
+            axis.axvline(start, color="#999999", lw=0.8, ls=":")
+        axis.set_title(f"{(convention or Convention()).symbol(name)} [{_unit(name)}]")
+        axis.set_xlim(t[0], t[-1])
+        axis.ticks_at_most(4, side="y")
+    for axis in axes[len(shown) :]:
+        axis.remove()
+    for column in range(grid.shape[1]):
+        lowest = axes[range(column, len(shown), grid.shape[1])[-1]]
+        lowest.label_below("time, records joined [s]" if len(records) > 1 else "time [s]")
+    figure.legend_below(list(axes[: len(shown)]))
     return figure
 
 
@@ -146,25 +128,22 @@ def innovation_figure(
             f"There is no record {chosen!r}; there are {', '.join(found.innovations)}."
         )
     item, t = found.innovations[chosen], by_name[chosen].t
-    with styled():
-        figure = canvas(1.35 * len(item.names) + 0.9)
-        axes = figure.subplots(
-            len(item.names), 2, squeeze=False, sharex="col", width_ratios=(2.2, 1.0)
-        )
-        for (left, right), channel, values, gated in zip(
-            axes, item.names, item.normalised.T, item.gated.T, strict=True
-        ):
-            _normalised(left, t, values, gated)
-            left.set_title(_AXES.get(channel, channel))
-            _correlogram(right, item, channel)
-        axes[0, 0].set_title(
-            f"{figure_text(chosen)}, {found.method}: {_AXES.get(item.names[0], item.names[0])}"
-        )
-        axes[0, 1].set_title("autocorrelation [-]")
-        figure.supylabel("innovation / its standard deviation [-]", fontsize=10)
-        axes[-1, 0].set_xlabel("time [s]")
-        axes[-1, 1].set_xlabel("lag [samples]")
-        legend_below(figure, list(axes.ravel()))
+    figure = Figure(height=1.35 * len(item.names) + 0.9)
+    axes = figure.subplots(len(item.names), 2, squeeze=False, sharex="col", width_ratios=(2.2, 1.0))
+    for (left, right), channel, values, gated in zip(
+        axes, item.names, item.normalised.T, item.gated.T, strict=True
+    ):
+        _normalised(left, t, values, gated)
+        left.set_title(_AXES.get(channel, channel))
+        _correlogram(right, item, channel)
+    axes[0, 0].set_title(
+        f"{figure_text(chosen)}, {found.method}: {_AXES.get(item.names[0], item.names[0])}"
+    )
+    axes[0, 1].set_title("autocorrelation [-]")
+    figure.supylabel("innovation / its standard deviation [-]")
+    axes[-1, 0].set_xlabel("time [s]")
+    axes[-1, 1].set_xlabel("lag [samples]")
+    figure.legend_below(list(axes.ravel()))
     return figure
 
 
@@ -184,7 +163,7 @@ def _normalised(axis: Axes, t: np.ndarray, values: np.ndarray, gated: np.ndarray
             label="not taken in",
         )
     axis.set_ylim(-top, top)
-    axis.locator_params(axis="y", nbins=5)
+    axis.ticks_at_most(5, side="y")
 
 
 def _correlogram(axis: Axes, item: Innovations, channel: str) -> None:
@@ -199,7 +178,7 @@ def _correlogram(axis: Axes, item: Innovations, channel: str) -> None:
         axis.axhline(side / math.sqrt(count), color=LIMIT, lw=1.0, ls="--")
     reach = max(0.3, float(np.max(np.abs(correlation))) * 1.15)
     axis.set_ylim(-min(reach, 1.05), min(reach, 1.05))
-    axis.locator_params(axis="y", nbins=4)
+    axis.ticks_at_most(4, side="y")
 
 
 def window_figure(found: PredictedWindow) -> Figure:
@@ -216,39 +195,33 @@ def window_figure(found: PredictedWindow) -> Figure:
         The path with equal axes; heading and rudder over time.
     """
     t = found.t - found.t[0]
-    with styled():
-        figure = canvas(4.4)
-        left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.3))
+    figure = Figure(height=4.4)
+    left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.3))
+    left.plot(
+        found.measured["y"] / found.L,
+        found.measured["x"] / found.L,
+        lw=3.5,
+        color="#bdbdbd",
+        label="measured",
+    )
+    right.plot(t, np.degrees(found.measured["psi"]), lw=3.5, color="#bdbdbd", label="measured")
+    for number, (name, motion) in enumerate(found.predicted.items()):
+        colour, dash = (colour_style(number - 1), "-") if number else (REFERENCE, "--")
         left.plot(
-            found.measured["y"] / found.L,
-            found.measured["x"] / found.L,
-            lw=3.5,
-            color="#bdbdbd",
-            label="measured",
+            motion["y"] / found.L, motion["x"] / found.L, label=name, lw=1.4, color=colour, ls=dash
         )
-        right.plot(t, np.degrees(found.measured["psi"]), lw=3.5, color="#bdbdbd", label="measured")
-        for number, (name, motion) in enumerate(found.predicted.items()):
-            colour, dash = (colour_style(number - 1), "-") if number else (REFERENCE, "--")
-            left.plot(
-                motion["y"] / found.L,
-                motion["x"] / found.L,
-                label=name,
-                lw=1.4,
-                color=colour,
-                ls=dash,
-            )
-            right.plot(t, np.degrees(motion["psi"]), label=name, lw=1.4, color=colour, ls=dash)
-        right.plot(t, np.degrees(found.delta), color="#9a9a9a", lw=1.0, ls=":", label="rudder δ")
-        x, y = found.measured["y"][0] / found.L, found.measured["x"][0] / found.L
-        open_mark(left, x, y, "start", color=INK)
-        _kept_in_view(left, right, found)
-        left.set_aspect("equal", adjustable="datalim")
-        left.set_xlabel("to east, y / L [-]")
-        left.set_ylabel("to north, x / L [-]")
-        right.set_xlabel("time in the window [s]")
-        right.set_ylabel("heading ψ and rudder δ, to starboard [deg]")
-        left.set_title(f"{figure_text(found.name)}, from t = {found.t[0]:.0f} s")
-        legend_below(figure, [left, right], columns=6)
+        right.plot(t, np.degrees(motion["psi"]), label=name, lw=1.4, color=colour, ls=dash)
+    right.plot(t, np.degrees(found.delta), color="#9a9a9a", lw=1.0, ls=":", label="rudder δ")
+    x, y = found.measured["y"][0] / found.L, found.measured["x"][0] / found.L
+    open_mark(left, x, y, "start", color=INK)
+    _kept_in_view(left, right, found)
+    left.set_aspect_equal()
+    left.set_xlabel("to east, y / L [-]")
+    left.set_ylabel("to north, x / L [-]")
+    right.set_xlabel("time in the window [s]")
+    right.set_ylabel("heading ψ and rudder δ, to starboard [deg]")
+    left.set_title(f"{figure_text(found.name)}, from t = {found.t[0]:.0f} s")
+    figure.legend_below([left, right], columns=6)
     return figure
 
 

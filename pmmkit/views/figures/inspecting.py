@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from pmmkit.base import DataError
 from pmmkit.intake import ColumnLook, FileGroup, FileLook, Look, seen_values
 from pmmkit.numerics import Array
-from pmmkit.plotting import INK, REFERENCE, canvas, colour, in_powers, marker, styled, widened
+from pmmkit.plotting import REFERENCE, Figure, colour, marker, widened
 from pmmkit.presentation import WIDE, figure_text
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 # Zeros of the gauges over the day.
 
@@ -32,27 +28,26 @@ def zeros_over_the_day(
 ) -> Figure:
     """What each gauge shows at rest, run by run, a panel a gauge."""
     place = np.arange(len(names))
-    with styled():
-        figure = canvas(1.35 * len(value) + 1.0)
-        axes = figure.subplots(len(value), 1, squeeze=False, sharex=True)[:, 0]
-        for number, (axis, (channel, zeros)) in enumerate(zip(axes, value.items(), strict=True)):
-            axis.axhline(float(np.nanmean(zeros)), color=REFERENCE, lw=0.9, ls="--")
-            axis.errorbar(
-                place,
-                zeros,
-                yerr=WIDE * std[channel],
-                ls="-",
-                lw=0.7,
-                marker=marker(number),
-                ms=4,
-                color=colour(number),
-            )
-            widened(axis)
-            axis.set_title(f"{channel} at rest [{units[channel]}]")
-        few = len(names) <= _NAMED
-        axes[-1].set_xlabel("" if few else "runs in the order of the day")
-        if few:
-            axes[-1].set_xticks(place, [figure_text(name) for name in names], rotation=90)
+    figure = Figure(height=1.35 * len(value) + 1.0)
+    axes = figure.subplots(len(value), 1, squeeze=False, sharex=True)[:, 0]
+    for number, (axis, (channel, zeros)) in enumerate(zip(axes, value.items(), strict=True)):
+        axis.axhline(float(np.nanmean(zeros)), color=REFERENCE, lw=0.9, ls="--")
+        axis.errorbar(
+            place,
+            zeros,
+            yerr=WIDE * std[channel],
+            ls="-",
+            lw=0.7,
+            marker=marker(number),
+            ms=4,
+            color=colour(number),
+        )
+        widened(axis)
+        axis.set_title(f"{channel} at rest [{units[channel]}]")
+    few = len(names) <= _NAMED
+    axes[-1].set_xlabel("" if few else "runs in the order of the day")
+    if few:
+        axes[-1].set_xticks(place, [figure_text(name) for name in names], rotation=90)
     return figure
 
 
@@ -69,22 +64,19 @@ def columns_over_time(
     drawn = list(columns.items())[:PANELS]
     across = min(3, len(drawn))
     down = -(-len(drawn) // across)
-    with styled():
-        figure = canvas(0.6 + 1.75 * down, 3.6 * across)
-        axes = figure.subplots(down, across, squeeze=False, sharex=True)
-        for place, (label, values) in enumerate(drawn):
-            axis = axes.flat[place]
-            axis.plot(*envelope(time, values), color=colour(0), linewidth=1.0)
-            axis.set_title(figure_text(label))
-            widened(axis)
-        in_powers(axes.flat[: len(drawn)])
-        for axis in axes.flat[len(drawn) :]:
-            axis.set_visible(False)
-        for place in range(max(0, len(drawn) - across), len(drawn)):
-            axes.flat[place].tick_params(labelbottom=True)
-            axes.flat[place].set_xlabel(figure_text(time_label))
-        title = title if len(title) <= 100 else title[:98] + " …"
-        figure.suptitle(figure_text(title), x=0.01, ha="left", fontsize=11, color=INK)
+    figure = Figure(height=0.6 + 1.75 * down, width=3.6 * across)
+    axes = figure.subplots(down, across, squeeze=False, sharex=True)
+    for place, (label, values) in enumerate(drawn):
+        axis = axes.flat[place]
+        axis.plot(*envelope(time, values), color=colour(0), lw=1.0)
+        axis.set_title(figure_text(label))
+        widened(axis)
+    for axis in axes.flat[len(drawn) :]:
+        axis.remove()
+    for place in range(max(0, len(drawn) - across), len(drawn)):
+        axes.flat[place].label_below(figure_text(time_label))
+    title = title if len(title) <= 100 else title[:98] + " …"
+    figure.suptitle(figure_text(title), fontsize=11)
     return figure
 
 

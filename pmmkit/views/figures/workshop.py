@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from pmmkit.conventions import Convention
 from pmmkit.numerics import Array
-from pmmkit.plotting import REFERENCE, WIDTH, canvas, in_powers, legend_below, marker, styled
+from pmmkit.plotting import REFERENCE, WIDTH, Axes, Figure, marker
 from pmmkit.plotting import colour as colour_style
 from pmmkit.presentation import figure_text
 from pmmkit.signals import design_matrix
 from pmmkit.validation import CaptiveRun, Comparison
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 # What a model leaves of captive forces, a panel a channel and kind of test.
 
@@ -38,28 +33,27 @@ def residuals_over(comparison: Comparison) -> Figure:
     channels = channels_of(runs)
     speeds = sorted({_speed(run) for run in runs})
     tests = list(dict.fromkeys(run.view.run.test for run in runs))
-    with styled():
-        figure = canvas(1.9 * len(channels) + 1.1, max(WIDTH, _NARROW * len(tests) + 0.8))
-        axes = figure.subplots(len(channels), len(tests), squeeze=False, sharex="col", sharey="row")
-        in_powers(axes[:, 0])
-        for column, test in enumerate(tests):
-            group = [run for run in runs if run.view.run.test == test]
-            what, values = abscissa(group, comparison.ship.L)
-            for row, channel in enumerate(channels):
-                axes[row, column].axhline(0.0, color=REFERENCE, lw=0.8, zorder=1)
-                for number, speed in enumerate(speeds):
-                    own = [
-                        (run, x)
-                        for run, x in zip(group, values, strict=True)
-                        if _speed(run) == speed and channel in run.channels
-                    ]
-                    if own:
-                        _drawn(axes[row, column], own, channel, comparison, number)
-            axes[0, column].set_title(group[0].view.run.kind_of_test.title)
-            axes[-1, column].set_xlabel(what)
+    width = max(WIDTH, _NARROW * len(tests) + 0.8)
+    figure = Figure(height=1.9 * len(channels) + 1.1, width=width)
+    axes = figure.subplots(len(channels), len(tests), squeeze=False, sharex="col", sharey="row")
+    for column, test in enumerate(tests):
+        group = [run for run in runs if run.view.run.test == test]
+        what, values = abscissa(group, comparison.ship.L)
         for row, channel in enumerate(channels):
-            axes[row, 0].set_ylabel(f"error in $10^3\\,{channel}'$ [-]")
-        legend_below(figure, list(axes.ravel()))
+            axes[row, column].axhline(0.0, color=REFERENCE, lw=0.8, zorder=1)
+            for number, speed in enumerate(speeds):
+                own = [
+                    (run, x)
+                    for run, x in zip(group, values, strict=True)
+                    if _speed(run) == speed and channel in run.channels
+                ]
+                if own:
+                    _drawn(axes[row, column], own, channel, comparison, number)
+        axes[0, column].set_title(group[0].view.run.kind_of_test.title)
+        axes[-1, column].set_xlabel(what)
+    for row, channel in enumerate(channels):
+        axes[row, 0].set_ylabel(f"error in $10^3\\,{channel}'$ [-]")
+    figure.legend_below(list(axes.ravel()))
     return figure
 
 
@@ -130,7 +124,7 @@ def _drawn(
         ]
     )
     middle, low, mean, high = summed_up(x, y)
-    axis.fill_between(middle, low, high, color=colour, alpha=0.22, lw=0)
+    axis.fill_between(middle, low, high, color=colour, alpha=0.22)
     axis.plot(
         middle, mean, color=colour, marker=marker(number), ms=3, markevery=4, lw=1.3, label=label
     )
@@ -184,36 +178,34 @@ def static_forces(comparison: Comparison) -> Figure:
     channels = channels_of(runs)
     tests = list(dict.fromkeys(run.view.run.test for run in runs))
     looks: dict[str, int] = {}
-    with styled():
-        width = max(WIDTH * _SLENDER, _PANEL * len(tests) + 0.8)
-        figure = canvas(1.9 * len(channels) + 1.1, width)
-        axes = figure.subplots(len(channels), len(tests), squeeze=False, sharex="col")
-        in_powers(axes.flat)
-        for column, test in enumerate(tests):
-            group = [run for run in runs if run.view.run.test == test]
-            what, values = _condition(group, comparison)
-            series: dict[str, list[tuple[float, CaptiveRun]]] = {}
-            for run, x in zip(group, values, strict=True):
-                label = _ALL if what == SPEED else f"Fn {run.Fn:.3f}"
-                series.setdefault(label, []).append((x, run))
-            for label, own in series.items():
-                own.sort(key=lambda item: item[0])
-                number = looks.setdefault(label, len(looks))
-                for axis, channel in zip(axes[:, column], channels, strict=True):
-                    some = [(x, run) for x, run in own if channel in run.channels]
-                    if some:
-                        _points(axis, some, channel, comparison, number, label)
-            axes[0, column].set_title(group[0].view.run.kind_of_test.title)
-            lowest = [axis for axis in axes[:, column] if axis.has_data()][-1]
-            lowest.set_xlabel(what)
-            lowest.tick_params(labelbottom=True)
-        for row, channel in enumerate(channels):
-            first = next(axis for axis in axes[row] if axis.has_data())
-            first.set_ylabel(f"$10^3\\,{channel}'$ [-]")
-        for axis in axes.flat:
-            axis.set_visible(axis.has_data())
-        _marks_told(next(axis for axis in axes.flat if axis.has_data()), comparison)
-        legend_below(figure, list(axes.ravel()))
+    width = max(WIDTH * _SLENDER, _PANEL * len(tests) + 0.8)
+    figure = Figure(height=1.9 * len(channels) + 1.1, width=width)
+    axes = figure.subplots(len(channels), len(tests), squeeze=False, sharex="col")
+    for column, test in enumerate(tests):
+        group = [run for run in runs if run.view.run.test == test]
+        what, values = _condition(group, comparison)
+        series: dict[str, list[tuple[float, CaptiveRun]]] = {}
+        for run, x in zip(group, values, strict=True):
+            label = _ALL if what == SPEED else f"Fn {run.Fn:.3f}"
+            series.setdefault(label, []).append((x, run))
+        for label, own in series.items():
+            own.sort(key=lambda item: item[0])
+            number = looks.setdefault(label, len(looks))
+            for axis, channel in zip(axes[:, column], channels, strict=True):
+                some = [(x, run) for x, run in own if channel in run.channels]
+                if some:
+                    _points(axis, some, channel, comparison, number, label)
+        axes[0, column].set_title(group[0].view.run.kind_of_test.title)
+        lowest = [axis for axis in axes[:, column] if axis.has_data()][-1]
+        lowest.label_below(what)
+    for row, channel in enumerate(channels):
+        first = next(axis for axis in axes[row] if axis.has_data())
+        first.set_ylabel(f"$10^3\\,{channel}'$ [-]")
+    for axis in axes.flat:
+        if not axis.has_data():
+            axis.remove()
+    _marks_told(next(axis for axis in axes.flat if axis.has_data()), comparison)
+    figure.legend_below(list(axes.ravel()))
     return figure
 
 
@@ -268,25 +260,25 @@ def forces_over_phase(comparison: Comparison, runs: Sequence[CaptiveRun]) -> Fig
     """Coefficients of oscillating runs over the phase of a cycle, measured and predicted."""
     channels = channels_of(runs)
     theta = np.linspace(0.0, 2 * np.pi, _FINE)
-    with styled():
-        figure = canvas(1.9 * len(channels) + 1.1, max(WIDTH * _SLENDER, _PANEL * len(runs) + 0.8))
-        axes = figure.subplots(len(channels), len(runs), squeeze=False, sharex=True)
-        in_powers(axes.flat)
-        for column, run in enumerate(runs):
-            order = max(int(label[1:]) for label in run.view.labels)
-            basis = design_matrix(theta, order)[:, run.view.places]
-            for axis, channel in zip(axes[:, column], channels, strict=True):
-                if channel in run.channels:
-                    _cycle(axis, np.degrees(theta), basis, run, channel, comparison)
-            title = run.view.run.kind_of_test.title
-            lacks = "" if "C0" in run.view.labels else ", without the mean"
-            axes[0, column].set_title(f"{title}\n{figure_text(run.view.run.id)}{lacks}")
-            axes[-1, column].set_xlabel("phase θ [deg]")
-            axes[-1, column].set_xlim(0, 360)
-            axes[-1, column].set_xticks([0, 90, 180, 270, 360])
-        for row, channel in enumerate(channels):
-            axes[row, 0].set_ylabel(f"$10^3\\,{channel}'$ [-]")
-        legend_below(figure, list(axes.ravel()))
+    width = max(WIDTH * _SLENDER, _PANEL * len(runs) + 0.8)
+    figure = Figure(height=1.9 * len(channels) + 1.1, width=width)
+    axes = figure.subplots(len(channels), len(runs), squeeze=False, sharex=True)
+    for column, run in enumerate(runs):
+        order = max(int(label[1:]) for label in run.view.labels)
+        basis = design_matrix(theta, order)[:, run.view.places]
+        for axis, channel in zip(axes[:, column], channels, strict=True):
+            if channel in run.channels:
+                _cycle(axis, np.degrees(theta), basis, run, channel, comparison)
+        title = run.view.run.kind_of_test.title
+        lacks = "" if "C0" in run.view.labels else ", without the mean"
+        axes[0, column].set_title(f"{title}\n{figure_text(run.view.run.id)}{lacks}")
+        axes[-1, column].set_xlabel("phase θ [deg]")
+        for axis in axes[:, column]:
+            axis.set_xlim(0, 360)
+            axis.set_xticks([0, 90, 180, 270, 360])
+    for row, channel in enumerate(channels):
+        axes[row, 0].set_ylabel(f"$10^3\\,{channel}'$ [-]")
+    figure.legend_below(list(axes.ravel()))
     return figure
 
 
@@ -298,7 +290,7 @@ def _cycle(
     half = scale * np.sqrt(basis**2 @ run.measurement_uncertainty(channel) ** 2)
     colour = colour_style(0)
     axis.fill_between(
-        phase, D - half, D + half, color=colour, alpha=0.25, lw=0, label="$U_D$ about the measured"
+        phase, D - half, D + half, color=colour, alpha=0.25, label="$U_D$ about the measured"
     )
     axis.plot(phase, D, color=colour, label="measured")
     axis.plot(

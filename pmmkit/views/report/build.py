@@ -40,7 +40,8 @@ from pmmkit.views.report.turning import Turns, turning_section
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from pmmkit.plotting import Figure
 
 
 # The ship in waves as a page: motions, responses, added resistance, records.
@@ -314,15 +315,13 @@ def write_reduction(
     list of str
         Names of the files.
     """
-    from matplotlib.backends.backend_svg import svgProlog
-
     answers = reduction_answers(reduction, reference=reference, turns=turns, loop=loop)
     return write_results(
         out,
         (
             *_tables(reduction, reference or ReferenceTable.published(reduction.table)),
             *(
-                (picture["file"], svgProlog + picture["svg"])
+                (picture["file"], picture["svg"])
                 for name, told in answers.items()
                 if name.startswith("told ")
                 for picture in figures_of(told)

@@ -35,9 +35,8 @@ from pmmkit.views.figures.forests import farthest, forest
 from pmmkit.views.figures.inspecting import zeros_over_the_day
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from pmmkit.models import DerivativeTable
+    from pmmkit.plotting import Figure
 
 
 # Figures of what the checks found.

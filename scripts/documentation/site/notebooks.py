@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import hashlib
 import os
 import re
@@ -65,22 +64,22 @@ class Notebook:
         return str(self.content.cells[0].source)
 
     @property
-    def picture(self) -> bytes:
-        """The figure that stands for it, as PNG."""
+    def picture(self) -> str:
+        """The figure that stands for it, as SVG."""
         (data,) = (
-            output.data["image/png"]
+            output.data["image/svg+xml"]
             for cell in self.content.cells
             if PICTURE in cell.metadata.get("tags", ())
             for output in cell.get("outputs", ())
-            if "image/png" in output.get("data", {})
+            if "image/svg+xml" in output.get("data", {})
         )
-        return base64.b64decode(data)
+        return str(data)
 
     @property
     def card(self) -> str:
         """Its card in the gallery."""
         told = re.sub(r"\[([^\]]+)\]\([^)]+\)", r"\1", self.summary)
-        head = f":::{{grid-item-card}} {self.title}\n:img-top: pictures/{self.name}.png\n"
+        head = f":::{{grid-item-card}} {self.title}\n:img-top: pictures/{self.name}.svg\n"
         return f"{head}:link: docs/notebooks/{self.name}\n:link-type: doc\n\n{told}\n:::"
 
 
@@ -141,6 +140,4 @@ def place(notebook: Notebook, source: Path) -> None:
     write_text(
         source / "docs" / "notebooks" / f"{notebook.name}.ipynb", nbformat.writes(notebook.content)
     )
-    picture = source / "pictures" / f"{notebook.name}.png"
-    with atomic_path(picture) as part:
-        part.write_bytes(notebook.picture)
+    write_text(source / "pictures" / f"{notebook.name}.svg", notebook.picture)

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.base import DataError
-from pmmkit.plotting import styled
 from pmmkit.presentation import Grid, Picture, Section, printable
 from pmmkit.views.report.captive.columns import columns_for
 from pmmkit.views.report.captive.document import Chapter, Document, Item
@@ -234,16 +233,13 @@ def _figure(sheet: _Sheet, figure: Picture) -> None:
     if figure.figure is not None:
         lay(sheet.file, across=False)
         across, along = inside(sheet.file)
-        wide, high = figure.figure.get_size_inches()
-        width = min(across * (NARROW if figure.narrow else 1.0), HIGHEST * along * wide / high)
+        shape = figure.figure.width / figure.figure.height
+        width = min(across * (NARROW if figure.narrow else 1.0), HIGHEST * along * shape)
         place = sheet.file.add_paragraph()
         place.paragraph_format.keep_with_next = True
-        png = io.BytesIO()
-        with styled():
-            figure.figure.savefig(png, format="png", dpi=DOTS, metadata={"Software": None})
-        png.seek(0)
-        shape = place.add_run().add_picture(png, width=Cm(width))
-        shape._inline.docPr.set("descr", printable(figure.alt))
+        png = io.BytesIO(figure.figure.png(DOTS))
+        placed = place.add_run().add_picture(png, width=Cm(width))
+        placed._inline.docPr.set("descr", printable(figure.alt))
     _caption(sheet, "Figure", figure.caption)
 
 
