@@ -54,7 +54,7 @@ class Title:
 class Key:
     """What the colours of a mosaic mean: a scale beside some axes.
 
-    ticks: none for round values. beyond: whether colours go on beyond the ends.
+    beyond: whether colours go on beyond the ends.
     """
 
     shades: Shades

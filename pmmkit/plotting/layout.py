@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Final
 
 import numpy as np
@@ -258,21 +260,16 @@ def _label_height(frame: PlacedAxes) -> float:
 
 
 def _axes(frame: PlacedAxes, frames: Sequence[PlacedAxes], width: float) -> list[Shape]:
-    axes = frame.axes
-
-    def order(mark: Mark) -> float:
-        return mark.order
-
-    marks = sorted(axes.marks, key=order)
-    behind = [mark for mark in marks if mark.order < _GRID_ORDER]
-    middle = [mark for mark in marks if _GRID_ORDER <= mark.order < _FRAME_ORDER]
-    front = [mark for mark in marks if mark.order >= _FRAME_ORDER]
+    """Marks by their order, with the grid and the frame between them."""
+    marks = sorted(frame.axes.marks, key=attrgetter("order"))
+    behind = bisect_left(marks, _GRID_ORDER, key=attrgetter("order"))
+    front = bisect_left(marks, _FRAME_ORDER, key=attrgetter("order"))
     return [
-        *drawn_marks(behind, frame),
+        *drawn_marks(marks[:behind], frame),
         *_grid(frame),
-        *drawn_marks(middle, frame),
+        *drawn_marks(marks[behind:front], frame),
         *_frame(frame),
-        *drawn_marks(front, frame),
+        *drawn_marks(marks[front:], frame),
         *_numbers(frame),
         *_titles(frame, frames, width),
     ]
@@ -425,18 +422,18 @@ def _about(figure: AxesGrid, inner: Box, width: float, height: float, legend: fl
 class _Legend:
     """Entries of a legend in columns."""
 
-    entries: tuple[tuple[str, tuple[Mark, ...]], ...]
+    entries: tuple[tuple[str, Mark], ...]
     columns: tuple[tuple[int, ...], ...]
 
     @classmethod
     def of(cls, figure: AxesGrid, width: float) -> _Legend:
         """Each label once, in so many columns as have room."""
-        found: dict[str, tuple[Mark, ...]] = {}
+        found: dict[str, Mark] = {}
         for axes in figure.legend:
             for mark in axes.marks:
                 label = getattr(mark, "label", "")
-                if label and label not in found:
-                    found[label] = (mark,)
+                if label:
+                    found.setdefault(label, mark)
         entries = tuple(found.items())
         for count in range(min(figure.legend_columns, len(entries)), 0, -1):
             columns = tuple(
@@ -466,7 +463,7 @@ class _Legend:
         room = box.width - (_HANDLE + _AFTER_HANDLE) * _ENTRY
         for column in self.columns:
             for row, number in enumerate(column):
-                label, (mark,) = self.entries[number]
+                label, mark = self.entries[number]
                 middle = box.top + _ROW * _ENTRY * (row + 0.5)
                 right = left + _HANDLE * _ENTRY
                 found += handle(mark, Box(left, middle - 3.2, right, middle + 3.2))
@@ -477,13 +474,11 @@ class _Legend:
         return found
 
 
-def _column(entries: Sequence[tuple[str, tuple[Mark, ...]]], column: Sequence[int]) -> float:
+def _column(entries: Sequence[tuple[str, Mark]], column: Sequence[int]) -> float:
     wide = max((_widest(entries[number][0], _ENTRY) for number in column), default=0.0)
     return wide + (_HANDLE + _AFTER_HANDLE) * _ENTRY
 
 
-def _total(
-    entries: Sequence[tuple[str, tuple[Mark, ...]]], columns: Sequence[Sequence[int]]
-) -> float:
+def _total(entries: Sequence[tuple[str, Mark]], columns: Sequence[Sequence[int]]) -> float:
     gaps = _BETWEEN * _ENTRY * (len(columns) - 1)
     return sum(_column(entries, column) for column in columns) + gaps

@@ -121,8 +121,7 @@ class Polygons:
 class BarSeries:
     """Bars, upright or sideways: where each stands, where it begins and how long it is, all (n,).
 
-    colours (n,). thickness: in the units of the axis on which they stand. told: whether they are
-    what the panel shows; an interval behind other marks is not.
+    colours (n,). thickness: in the units of the axis on which they stand.
     """
 
     place: Array

@@ -20,7 +20,7 @@ from matplotlib.transforms import Affine2D, Bbox, Transform, TransformedBbox
 
 from pmmkit.plotting.letters import runs_of
 from pmmkit.plotting.marks import Array
-from pmmkit.plotting.scene import Box, Dots, Fill, Letters, Scene, Shape, Stroke
+from pmmkit.plotting.scene import Box, Dots, Fill, Letters, Scene, Shape, Stroke, clip_of
 from pmmkit.plotting.vector import DASHED, marker_path
 
 if TYPE_CHECKING:
@@ -94,8 +94,7 @@ def drawn(scene: Scene) -> Drawing:
         for artist in _artists(shape, to_dots):
             artist.set_zorder(number)
             drawing.add_artist(artist)
-            clip = None if isinstance(shape, Letters) else shape.clip
-            if clip is not None:
+            if (clip := clip_of(shape)) is not None:
                 artist.set_clip_box(TransformedBbox(_bounds(clip), to_dots))
     return drawing
 

@@ -13,7 +13,7 @@ import numpy as np
 from pmmkit.plotting.axes import Axes
 from pmmkit.plotting.extent import Marked, Side, scaled
 from pmmkit.plotting.letters import ASCENT, DESCENT, LINE, MIDDLE, width_of
-from pmmkit.plotting.marks import Across, Array
+from pmmkit.plotting.marks import INK, Across, Array, Upright
 
 
 class Box(NamedTuple):
@@ -103,6 +103,11 @@ class Letters:
 Shape = Stroke | Fill | Dots | Letters
 
 
+def clip_of(shape: Shape) -> Box | None:
+    """The rectangle in which alone a shape is seen."""
+    return None if isinstance(shape, Letters) else shape.clip
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlacedAxes:
     """Axes at their place, with the ends of their sides."""
@@ -154,8 +159,8 @@ def block(
     y: float,
     size: float,
     colour: str,
-    across: str = "left",
-    upright: str = "baseline",
+    across: Across = "left",
+    upright: Upright = "baseline",
     *,
     bold: bool = False,
 ) -> list[Letters]:
@@ -176,7 +181,7 @@ def block(
 
 
 def turned_block(
-    text: str, left: float, middle: float, size: float, colour: str = "#222222"
+    text: str, left: float, middle: float, size: float, colour: str = INK
 ) -> list[Letters]:
     """Lines of a text that goes upwards, the first at the left."""
     return [
@@ -192,13 +197,13 @@ def lettered(
     place: tuple[float, float],
     size: float,
     colour: str,
-    across: str = "left",
+    across: Across = "left",
     *,
     turned: bool = False,
     bold: bool = False,
 ) -> Letters:
     """A line of text at a place."""
     return Letters(
-        text=text, x=place[0], y=place[1], size=size, colour=colour, across=across,  # type: ignore[arg-type]
+        text=text, x=place[0], y=place[1], size=size, colour=colour, across=across,
         turned=turned, bold=bold,
     )  # fmt: skip

@@ -13,7 +13,7 @@ import numpy as np
 
 from pmmkit.plotting.letters import runs_of
 from pmmkit.plotting.marks import Array
-from pmmkit.plotting.scene import Box, Dots, Fill, Letters, Scene, Shape, Stroke
+from pmmkit.plotting.scene import Box, Dots, Fill, Letters, Scene, Shape, Stroke, clip_of
 
 FAMILY: Final = "'DejaVu Sans', Verdana, 'Noto Sans', 'Noto Sans CJK JP', sans-serif"
 """Families of letters; the first two are as wide as what is reckoned with."""
@@ -35,10 +35,12 @@ _HATCHES: Final = {
 
 def svg(scene: Scene, words: str) -> str:
     """A figure as an ``<svg>`` element; words: what it shows, for those who do not see it."""
-    name = f"p{zlib.crc32(repr([_told(shape) for shape in scene.shapes]).encode()):08x}"
-    clips = list(dict.fromkeys(own for shape in scene.shapes if (own := _clip(shape)) is not None))
     hatches = list(
         dict.fromkeys(s.hatch for s in scene.shapes if isinstance(s, Fill) and s.hatch in _HATCHES)
+    )
+    clips = list(dict.fromkeys(own for shape in scene.shapes if (own := clip_of(shape))))
+    name = (
+        f"p{zlib.crc32(repr((clips, hatches)).encode()):08x}"  # of one page: the same for the same
     )
     width, height = _number(scene.width), _number(scene.height)
     parts = [
@@ -49,26 +51,13 @@ def svg(scene: Scene, words: str) -> str:
         *_definitions(name, clips, hatches),
         f'<rect width="{width}" height="{height}" fill="#fff"/>',
     ]
-    for clip, shapes in groupby(scene.shapes, _clip):
+    for clip, shapes in groupby(scene.shapes, clip_of):
         drawn = (part for shape in shapes for part in _element(shape, name, hatches))
         if clip is None:
             parts += drawn
         else:
             parts += [f'<g clip-path="url(#{name}-{clips.index(clip)})">', *drawn, "</g>"]
     return "\n".join([*parts, "</svg>\n"])
-
-
-def _clip(shape: Shape) -> Box | None:
-    return None if isinstance(shape, Letters) else shape.clip
-
-
-def _told(shape: Shape) -> object:
-    """What tells a shape from others."""
-    if isinstance(shape, Letters):
-        return shape.text, shape.x, shape.y
-    if isinstance(shape, Fill):
-        return shape.colour, [_path(ring) for ring in shape.rings[:3]]
-    return _path(shape.points[:50])
 
 
 def _definitions(name: str, clips: list[Box], hatches: list[str]) -> Iterator[str]:
@@ -104,8 +93,10 @@ def _element(shape: Shape, name: str, hatches: list[str]) -> Iterator[str]:
             if shape.hatch in hatches:
                 yield f'<path d="{path}" fill="url(#{name}-h{hatches.index(shape.hatch)})"/>'
         case Dots():
-            faint = shape.alpha < 1.0  # so that many above each other are darker
-            for points in np.split(shape.points, len(shape.points)) if faint else [shape.points]:
+            count = (
+                len(shape.points) if shape.alpha < 1.0 else 1
+            )  # above each other they are darker
+            for points in np.array_split(shape.points, max(count, 1)):
                 yield from _dots(replace(shape, points=points))
         case Letters():
             yield _text(shape)
