@@ -184,6 +184,10 @@ def _area(mark: Area, frame: PlacedAxes) -> Iterator[Shape]:
 @_drawn.register
 def _polygons(mark: Polygons, frame: PlacedAxes) -> Iterator[Shape]:
     places = _at(frame, mark.corners[..., 0], mark.corners[..., 1])
+    x, y = places[..., 0], places[..., 1]
+    turns = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    # all one way: two that turn against each other leave a hole where both are
+    places = np.where((turns < 0.0)[:, None, None], places[:, ::-1], places)
     yield Fill(
         rings=tuple(ring for ring in places if np.isfinite(ring).all()),
         colour=mark.colour,

@@ -17,6 +17,7 @@ from pmmkit.plotting import RED_BLUE, Figure, Shades
 from pmmkit.plotting.extent import Ticks, ticks
 from pmmkit.plotting.layout import laid_out
 from pmmkit.plotting.letters import width_of
+from pmmkit.plotting.scene import Fill
 from pmmkit.plotting.vector import thinned
 
 INK = "#222222"
@@ -215,6 +216,16 @@ def test_cells_have_the_colours_of_their_values():
     ]
     steps = Shades(levels=(0.0, 1.0, 2.0, 1e9), colours=("#000000", "#111111", "#222222"))
     assert steps.of(np.array([0.5, 1.0, 7.0])) == ["#000000", "#111111", "#222222"]
+
+
+def test_polygons_that_turn_against_each_other_leave_no_hole():
+    square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
+    figure = Figure(height=3.0, width=3.0)
+    figure.subplots().polygons(np.stack([square, square[::-1] + 1.0]), color=INK)
+    (fill,) = (shape for shape in figure.laid_out().shapes if isinstance(shape, Fill))
+    edges = [np.diff(ring, axis=0, append=ring[:1]) for ring in fill.rings]
+    turns = [x * np.roll(y, -1) - y * np.roll(x, -1) for x, y in (edge.T for edge in edges)]
+    assert len({bool(np.all(turn > 0)) for turn in turns}) == 1
 
 
 @pytest.mark.slow

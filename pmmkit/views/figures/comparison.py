@@ -250,8 +250,6 @@ def _around(axis: Axes, x: Array, y: Array, half: Array) -> None:
     """A band about a closed curve: a quadrangle a step, opaque, since loops cross themselves."""
     low, high = np.stack([x, y - half], axis=1), np.stack([x, y + half], axis=1)
     steps = np.stack([low[:-1], low[1:], high[1:], high[:-1]], axis=1)
-    back = np.diff(x) < 0
-    steps[back] = steps[back, ::-1]  # two that turn against each other would leave a hole
     axis.polygons(steps, color=_PALE, outline=0.3, zorder=1.5, label=f"{EXPANDED} of the error")
 
 
