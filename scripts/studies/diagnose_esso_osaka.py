@@ -209,6 +209,7 @@ def figure(own: float, swaps: Sequence[float], path: Path) -> None:
     axis = drawing.subplots()
     axis.bar(range(len(swaps) + 1), [own, *swaps], color=[colour(0), *[colour(1)] * len(swaps)])
     axis.axhline(1.0, color=REFERENCE, lw=0.8, ls=":")
+    axis.ticks_at_most(side="x", whole=True)
     axis.set_xlabel("places by which the winds are rotated among the records")
     axis.set_title("ln evidence of the wind, less its price")
     drawing.save(path)
