@@ -68,7 +68,7 @@ BLUES = (
     "#08519c",
     "#08306b",
 )
-"""From none to many: Blues of ColorBrewer (Harrower and Brewer, 2003)."""
+"""From none to many: Blues of ColorBrewer 2.0 (colorbrewer2.org)."""
 SEPARABLE = math.log(20.0)
 """Expected ln odds from which two answers can be told from each other."""
 
