@@ -108,7 +108,7 @@ def homogeneity(rows: Sequence[tuple[str, str, str, float, float]]) -> Figure:
         axis.without_grid("y")
         axis.set_title(_words((effect,)))
         axis.set_xlabel("size here over size of all tests [-]")
-        axis.set_yticks([places[level] for level in levels], [words for _, words in levels])
+    axes[0].set_yticks([places[level] for level in levels], [words for _, words in levels])
     axes[0].set_ylim(max(places.values(), default=0.0) + 0.7, -0.7)
     return figure
 

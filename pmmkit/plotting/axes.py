@@ -310,14 +310,16 @@ class Axes:
         rotation: float = 0.0,
         fontsize: float | str = 9.0,
     ) -> None:
-        """Where ticks stand below, and what is written there."""
-        self.xticks = _stated(self.xticks, at, labels, rotation, fontsize)
+        """Where ticks stand below, and what is written there, on all axes of one abscissa."""
+        for own in (self, *self.xshared):
+            own.xticks = _stated(own.xticks, at, labels, rotation, fontsize)
 
     def set_yticks(
         self, at: ArrayLike, labels: Sequence[str] | None = None, *, fontsize: float | str = 9.0
     ) -> None:
-        """Where ticks stand at the left, and what is written there."""
-        self.yticks = _stated(self.yticks, at, labels, 0.0, fontsize)
+        """Where ticks stand at the left, and what is written there, on all axes of one ordinate."""
+        for own in (self, *self.yshared):
+            own.yticks = _stated(own.yticks, at, labels, 0.0, fontsize)
 
     def set_xlim(
         self, left: float | tuple[float, float] | None = None, right: float | None = None
@@ -342,7 +344,7 @@ class Axes:
     def invert_yaxis(self) -> None:
         """Let the ordinate grow downwards."""
         low, high = self.limits("y")
-        self.stated |= {"y0": max(low, high), "y1": min(low, high)}
+        self.set_ylim(max(low, high), min(low, high))
 
     def margins(self, x: float | None = None, y: float | None = None) -> None:
         """Room about the marks, as a share of what they fill."""
@@ -391,8 +393,7 @@ class Axes:
         """Ends of a side: those that were stated, else what holds the marks of all axes that share
         it, with some room."""
         own = [self, *(self.xshared if side == "x" else self.yshared)]
-        stated = {key: value for axes in own for key, value in axes.stated.items()}
-        first, last = stated.get(f"{side}0"), stated.get(f"{side}1")
+        first, last = self.stated.get(f"{side}0"), self.stated.get(f"{side}1")
         if first is not None and last is not None:
             return first, last
         scale = self.xscale if side == "x" else self.yscale
@@ -406,9 +407,9 @@ class Axes:
     ) -> None:
         if isinstance(first, tuple):
             first, last = first
-        for key, value in ((f"{side}0", first), (f"{side}1", last)):
-            if value is not None:
-                self.stated[key] = float(value)
+        ends = {f"{side}0": first, f"{side}1": last}
+        for own in (self, *(self.xshared if side == "x" else self.yshared)):
+            own.stated |= {key: float(value) for key, value in ends.items() if value is not None}
 
     def _segments(
         self, x0: ArrayLike, y0: ArrayLike, x1: ArrayLike, y1: ArrayLike, look: Mapping[str, Any]

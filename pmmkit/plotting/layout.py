@@ -392,7 +392,7 @@ def fitted(title: Title, room: float) -> Title:
 
 
 def _cut(line: str, size: float, room: float) -> str:
-    if width_of(line, size) <= room:
+    if width_of(line, size) <= room + 1e-6:
         return line
     parts = _PARTS.findall(line)
     while len(parts) > 1 and width_of(f"{''.join(parts)} …", size) > room:

@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import Final
 
 _BY_WIDTH: Final = {
+    200: "\u2009",
     227: "′",
     275: "'",
     278: "ijlìíîïı",

@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 
 from pmmkit.base import DataError
 from pmmkit.plotting import RED_BLUE, Figure, Shades
+from pmmkit.plotting.axes import Title
 from pmmkit.plotting.extent import Ticks, ticks
-from pmmkit.plotting.layout import laid_out
+from pmmkit.plotting.layout import fitted, laid_out
 from pmmkit.plotting.letters import width_of
 from pmmkit.plotting.scene import Fill
 from pmmkit.plotting.vector import thinned
@@ -216,6 +217,28 @@ def test_cells_have_the_colours_of_their_values():
     ]
     steps = Shades(levels=(0.0, 1.0, 2.0, 1e9), colours=("#000000", "#111111", "#222222"))
     assert steps.of(np.array([0.5, 1.0, 7.0])) == ["#000000", "#111111", "#222222"]
+
+
+@given(st.floats(60.0, 400.0))
+@settings(max_examples=200, deadline=None)
+def test_a_title_that_has_room_in_smaller_letters_is_not_cut(room):
+    title = Title(text="heading, simulated less measured [deg]", size=10.0)
+    own = fitted(title, room)
+    assert width_of(own.text, own.size) <= room + 1e-6
+    assert (own.text == title.text) == (own.size > 6.5 or room >= width_of(title.text, 6.5))
+
+
+def test_axes_of_one_side_have_the_same_ends_and_ticks():
+    figure = Figure()
+    grid = figure.subplots(1, 3, sharey=True)
+    for number, axis in enumerate(grid, 1):
+        axis.plot([0, 1], [0, number], color=INK)
+        axis.set_ylim(0.0, float(number))
+    grid[0].set_yticks([0.0, 3.0], ["none", "all"])
+    frames = figure.laid_out().frames
+    assert {frame.y for frame in frames} == {(0.0, 3.0)}
+    assert {frame.yticks.at for frame in frames} == {(0.0, 3.0)}
+    assert [own.text for own in figure.laid_out().letters].count("all") == 1
 
 
 def test_polygons_that_turn_against_each_other_leave_no_hole():

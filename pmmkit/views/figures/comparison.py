@@ -64,7 +64,7 @@ def errors_and_uncertainties(bars: Mapping[str, Sequence[tuple[str, float, float
         axis.set_xlabel("part of the rms force [%]")
         axis.set_xlim(left=0.0)
         axis.without_grid("y")
-        axis.set_yticks(np.arange(len(names)), [figure_text(name) for name in names])
+    axes[0].set_yticks(np.arange(len(names)), [figure_text(name) for name in names])
     axes[0].set_ylim(len(names) - 0.4, -0.6)
     figure.legend_below(list(axes))
     return figure
