@@ -109,7 +109,8 @@ def _intervals(mark: Line, frame: PlacedAxes, points: Array) -> Iterator[Shape]:
         if error is None or not len(points):
             continue
         own = mark.x if side == 0 else mark.y
-        ends = [own - error[0], own + error[1]]
+        with np.errstate(invalid="ignore"):
+            ends = [own - error[0], own + error[1]]
         places = [_at(frame, end, mark.y) if side == 0 else _at(frame, mark.x, end) for end in ends]
         pieces.append(np.concatenate([np.stack(places, axis=1), gap], axis=1).reshape(-1, 2))
         if mark.cap:

@@ -32,6 +32,8 @@ _MOST: Final = 9
 _POWERS: Final = (-3, 5)
 """Powers of ten from which on they are written apart from the numbers."""
 _SUPERSCRIPTS: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_LARGEST: Final = 1e150
+"""Size from which on a value is not shown: its square is no number any more."""
 _ALONE: Final = 0.055
 """Half of what is shown about a single value that is zero."""
 
@@ -71,12 +73,13 @@ def extent(
     Bars stand on their base, cells fill their axes: there is no room beyond these.
     """
     values, firm = [], []
-    for mark in marks:
-        own, ends = _filled(mark, side)
-        values += own
-        firm += ends
+    with np.errstate(invalid="ignore"):
+        for mark in marks:
+            own, ends = _filled(mark, side)
+            values += own
+            firm += ends
     known = np.concatenate([np.ravel(own) for own in values] or [np.empty(0)])
-    known = known[np.isfinite(known)]
+    known = known[np.abs(known) < _LARGEST]
     if scale == "log":
         known = known[known > 0]
     if not len(known):

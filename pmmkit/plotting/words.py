@@ -46,7 +46,7 @@ def _panel(axis: Axes, figure: AxesGrid) -> str:
     over = plain(next((label.text for label in below if label.text), ""))
     if maps := [mark for mark in axis.marks if isinstance(mark, Mosaic)]:
         return "; ".join(text for text in (name, *_map(axis, maps[0])) if text)
-    if bars := [_bars(axis, x) for x in axis.marks if isinstance(x, BarSeries) and x.length.any()]:
+    if bars := [_bars(axis, x) for x in axis.marks if isinstance(x, BarSeries) and _seen(x)]:
         return f"{name or over}: {'; '.join(bars)}"
     series = list(_series(axis))
     if not series:
@@ -61,6 +61,11 @@ def _panel(axis: Axes, figure: AxesGrid) -> str:
     ends = _span(np.concatenate([x for _, x, _ in series]))
     abscissa = f" over {over}, {ends}" if over else ""
     return f"{name}{abscissa}: {'; '.join([*told, *rest])}"
+
+
+def _seen(bars: BarSeries) -> bool:
+    """Whether some bar has a length."""
+    return bool(np.any(np.nan_to_num(bars.length, posinf=0.0, neginf=0.0)))
 
 
 def _written(axis: Axes, side: Side) -> dict[float, str]:

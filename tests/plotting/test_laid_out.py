@@ -228,6 +228,27 @@ def test_a_title_that_has_room_in_smaller_letters_is_not_cut(room):
     assert (own.text == title.text) == (own.size > 6.5 or room >= width_of(title.text, 6.5))
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, 0.0, 1e300, -1e-300])
+@pytest.mark.parametrize("scale", ["linear", "log", "symlog"])
+def test_values_that_cannot_be_shown_do_no_harm(value, scale):
+    own = np.full(3, value)
+    figure = Figure(height=8.0)
+    axes = figure.subplots(8, 1)
+    axes[0].plot(own, own, color=INK, marker="s", label="line")
+    axes[1].errorbar(own, [1.0, 2.0, 3.0], own, own, color=INK, capsize=2)
+    axes[2].bar(range(3), own, color=INK, yerr=np.abs(own))
+    axes[3].barh(range(3), own, color=INK)
+    axes[4].fill_between(range(3), own, own, color=INK)
+    axes[5].hlines(own, own, own, color=INK)
+    axes[6].mosaic(own[None], Shades(levels=(-1.0, 1.0), colours=RED_BLUE, smooth=True))
+    axes[7].polygons(np.stack([own, own], axis=1), color=INK)
+    for axis in axes:
+        axis.set_xscale(scale, linthresh=1.0)
+    text = figure.svg()
+    ET.fromstring(text.encode())
+    assert not re.search(r'="[^"]*(nan|inf)', text.split("<rect", 1)[1])
+
+
 def test_axes_of_one_side_have_the_same_ends_and_ticks():
     figure = Figure()
     grid = figure.subplots(1, 3, sharey=True)
