@@ -37,6 +37,7 @@ def test_the_command_turns_a_ship(without_numba, monkeypatch, tmp_path, capsys):
     # As in a session of its own, whatever other tests sailed before.
     monkeypatch.setattr(run, "ENOUGH", 10**9)
     monkeypatch.setattr(run, "FEW", 10**9)
+    monkeypatch.setattr(run, "is_loaded", lambda _: False)
     turn = ["--speed", "8", "--rudder-deg", "35", "--no-figures", "--out", str(tmp_path / "turn")]
     assert main(["simulate", "kvlcc2", *turn]) == 0
     assert "interpreted" not in capsys.readouterr().err  # one turn takes no longer
