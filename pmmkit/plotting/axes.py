@@ -13,12 +13,12 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pmmkit.numerics import Array
 from pmmkit.plotting.extent import Scale, Side, Ticks, extent
 from pmmkit.plotting.marks import (
     INK,
     NAMELESS,
     Area,
-    Array,
     Arrow,
     BarSeries,
     Line,

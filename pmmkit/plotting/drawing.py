@@ -10,13 +10,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.numerics import Array, stretches
 from pmmkit.plotting.axes import Key
 from pmmkit.plotting.extent import Ticks, ticks
 from pmmkit.plotting.letters import width_of
 from pmmkit.plotting.marks import (
     INK,
     Area,
-    Array,
     Arrow,
     BarSeries,
     Line,
@@ -173,10 +173,9 @@ def _rectangle(left: float, top: float, right: float, bottom: float) -> Array:
 def _area(mark: Area, frame: PlacedAxes) -> Iterator[Shape]:
     low, high = _at(frame, mark.x, mark.low), _at(frame, mark.x, mark.high)
     known = np.isfinite(low).all(axis=1) & np.isfinite(high).all(axis=1)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(int)))
     rings = tuple(
         np.concatenate([low[begin:end], high[begin:end][::-1]])
-        for begin, end in edges.reshape(-1, 2).tolist()
+        for begin, end in zip(*stretches(np.asarray(known)), strict=True)
     )
     if rings:
         yield Fill(rings=rings, colour=mark.colour, alpha=mark.alpha, clip=frame.box)

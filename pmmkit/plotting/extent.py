@@ -10,9 +10,9 @@ from typing import Final, Literal
 
 import numpy as np
 
+from pmmkit.numerics import Array
 from pmmkit.plotting.marks import (
     Area,
-    Array,
     BarSeries,
     Line,
     Mark,

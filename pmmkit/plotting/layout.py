@@ -11,11 +11,12 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.numerics import Array
 from pmmkit.plotting.axes import Axes, AxesGrid, Title
 from pmmkit.plotting.drawing import colour_key, drawn_marks, handle, words_boxes
 from pmmkit.plotting.extent import Marked, ticks
 from pmmkit.plotting.letters import ASCENT, DESCENT, LINE, MIDDLE, width_of
-from pmmkit.plotting.marks import INK, Array, Mark
+from pmmkit.plotting.marks import INK, Mark
 from pmmkit.plotting.scene import (
     Box,
     Letters,

@@ -18,8 +18,8 @@ from matplotlib.path import Path
 from matplotlib.text import Text
 from matplotlib.transforms import Affine2D, Bbox, Transform, TransformedBbox
 
+from pmmkit.numerics import Array
 from pmmkit.plotting.letters import runs_of
-from pmmkit.plotting.marks import Array
 from pmmkit.plotting.scene import Box, Dots, Fill, Letters, Scene, Shape, Stroke, clip_of
 from pmmkit.plotting.vector import DASHED, marker_path
 

@@ -10,10 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pmmkit.numerics import Array
 from pmmkit.plotting.axes import Axes
 from pmmkit.plotting.extent import Marked, Side, scaled
 from pmmkit.plotting.letters import ASCENT, DESCENT, LINE, MIDDLE, width_of
-from pmmkit.plotting.marks import INK, Across, Array, Upright
+from pmmkit.plotting.marks import INK, Across, Upright
 
 
 class Box(NamedTuple):

@@ -11,8 +11,8 @@ from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
+from pmmkit.numerics import Array, stretches
 from pmmkit.plotting.letters import runs_of
-from pmmkit.plotting.marks import Array
 from pmmkit.plotting.scene import Box, Dots, Fill, Letters, Scene, Shape, Stroke, clip_of
 
 FAMILY: Final = "'DejaVu Sans', Verdana, 'Noto Sans', 'Noto Sans CJK JP', sans-serif"
@@ -39,9 +39,8 @@ def svg(scene: Scene, words: str) -> str:
         dict.fromkeys(s.hatch for s in scene.shapes if isinstance(s, Fill) and s.hatch in _HATCHES)
     )
     clips = list(dict.fromkeys(own for shape in scene.shapes if (own := clip_of(shape))))
-    name = (
-        f"p{zlib.crc32(repr((clips, hatches)).encode()):08x}"  # of one page: the same for the same
-    )
+    # figures of one page share a definition where it is the same
+    name = f"p{zlib.crc32(repr((clips, hatches)).encode()):08x}"
     width, height = _number(scene.width), _number(scene.height)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}pt" height="{height}pt" '
@@ -214,8 +213,9 @@ def _path(points: Array) -> str:
     """Points as a path, a new piece behind each NaN."""
     known = np.isfinite(points).all(axis=1)
     if not known.all():
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(int)))
-        pieces = (points[begin:end] for begin, end in edges.reshape(-1, 2).tolist())
+        pieces = (
+            points[begin:end] for begin, end in zip(*stretches(np.asarray(known)), strict=True)
+        )
         return "".join(_path(own) for own in pieces if len(own) > 1)
     if not len(points):
         return ""

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.plotting.marks import Array, BarSeries, Line, Mosaic, Rule
+from pmmkit.numerics import Array
+from pmmkit.plotting.marks import BarSeries, Line, Mosaic, Rule
 
 if TYPE_CHECKING:
     from pmmkit.plotting.axes import Axes, AxesGrid
