@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Future
 from functools import partial
 from pathlib import Path
-from threading import RLock
+from threading import Lock
 from typing import Any, Final
 
 from pmmkit.base import DataError
@@ -22,33 +23,34 @@ KEPT: Final = 16
 
 
 class AnswerCache:
-    """Answers by what they are about, made one at a time so that nothing is done twice."""
+    """Answers by what they are about: whoever asks while one is made waits for that one alone."""
 
     def __init__(self) -> None:
-        self._working = RLock()
-        self._known: dict[tuple[Any, ...], Any] = {}
+        self._changing = Lock()
+        self._known: dict[tuple[Any, ...], Future[Any]] = {}
 
     def clear(self) -> None:
         """Forget all."""
-        with self._working:
+        with self._changing:
             self._known.clear()
 
     def once(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
-        """What was worked out before, or is now."""
-        with self._working:
-            found = self._known.pop(key) if key in self._known else work()
-            while len(self._known) >= KEPT:
-                del self._known[next(iter(self._known))]
+        """What was worked out before, or is now; an error is told, and not kept."""
+        made: Future[Any] = Future()
+        with self._changing:
+            found = self._known.pop(key, made)
             self._known[key] = found
-            return found
-
-    def aside(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
-        """The same for what may take a minute: meanwhile everything else is answered."""
-        with self._working:
-            if key in self._known:
-                return self._known[key]
-        found = work()
-        return self.once(key, lambda: found)
+            while len(self._known) > KEPT:
+                del self._known[next(iter(self._known))]
+        if found is made:
+            try:
+                made.set_result(work())
+            except BaseException as error:
+                with self._changing:
+                    if self._known.get(key) is made:
+                        del self._known[key]
+                made.set_exception(error)
+        return found.result()
 
 
 class OpenCampaigns:

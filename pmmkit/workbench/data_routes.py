@@ -233,7 +233,7 @@ def _campaign(desk: Desk, asked: Mapping[str, Any]) -> dict[str, Any]:
 
 def _drafted(desk: Desk, said: DraftAnswers) -> Drafted:
     """What is proposed; the files are looked at once for all answers."""
-    basis = desk.known.aside(("basis", said.stamp), said.basis)
+    basis = desk.known.once(("basis", said.stamp), said.basis)
     return said.drafted(basis)
 
 

@@ -273,7 +273,7 @@ class Desk:
         """One run as it was read, with what counts of it."""
         state = self._opened()
         tests = self._open.campaign(state, of)
-        page: dict[str, Any] = self.known.aside(
+        page: dict[str, Any] = self.known.once(
             ("record", run, of, self._open.stamp(state, of)),
             lambda: page_of(tests, self.checks(of), run=run),
         )

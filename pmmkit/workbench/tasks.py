@@ -115,12 +115,11 @@ class Tasks:
 
     def open(self, work: Work, model: str, parts: str | None, *, tell: Tell) -> None:
         """Check the tests, and make the base where a structure is named."""
-        tell(0, 3, "reading the tests")
+        tell(0, 0, "reading the tests")
         tests = self._tests(work)
         place = work.folder
-        checked = _checked(tests)
-        tell(1, 3, "the base")
-        _save_base(place, tests, self._base(tests, model, parts))
+        base, checked = self._base(tests, model, parts, tell)
+        _save_base(place, tests, base)
         _save_checks(place, checked)
         save_result(place, OPENED, (), _stamps(tests))
 
@@ -137,9 +136,7 @@ class Tasks:
         tell(0, total, "reading the tests")
         self._campaigns, self._sessions = {}, {}
         tests = self._tests(work)
-        checked = _checked(tests)
-        tell(1, total, "the base")
-        base = self._base(tests, model, parts)
+        base, checked = self._base(tests, model, parts, tell)
         for old in place.glob("*_*.json"):
             old.unlink(missing_ok=True)
         save_result(place, OPENED, (), "")
@@ -208,18 +205,30 @@ class Tasks:
         """The campaigns by their titles."""
         return Campaign.by_title([self._campaign(path, work.data) for path in work.campaigns])
 
-    def _base(self, tests: Mapping[str, Campaign], model: str, parts: str | None) -> Model:
-        if model not in STRUCTURES:
-            return load_model(model)
-        captive = [item for item in tests.values() if item.kind == "captive"]
-        if not captive:
+    def _base(
+        self, tests: Mapping[str, Campaign], model: str, parts: str | None, tell: Tell
+    ) -> tuple[Model, list[tuple[CheckFinding, ...]]]:
+        """The base, and what the checks say of each campaign: of the one that it is reduced from
+        what the reduction says, so that nothing is read twice."""
+        base = None if model in STRUCTURES else load_model(model)
+        captive = [name for name, item in tests.items() if item.kind == "captive"]
+        if base is None and not captive:
             raise DataError("Records that run free need a model: a library ship or a model file.")
-        from pmmkit.api import model_of
-        from pmmkit.reduction import reduce_campaign
+        reduced = captive[0] if base is None else None
+        found = {name: examine(item) for name, item in tests.items() if name != reduced}
+        for own in found.values():
+            refuse(own)
+        if base is None:
+            from pmmkit.api import model_of
+            from pmmkit.reduction import reduce_campaign
 
-        reduction = reduce_campaign(captive[0], structure=model, fn="pooled")
-        # Whoever opens it asks what is wrong: a model by force says so wherever it sails.
-        return model_of(reduction, parts, force=True)
+            reduction = reduce_campaign(
+                tests[captive[0]], structure=model, fn="pooled", progress=tell, executor=1
+            )
+            found[captive[0]] = reduction.findings
+            # Whoever opens it asks what is wrong: a model by force says so wherever it sails.
+            base = model_of(reduction, parts, force=True)
+        return base, [found[name] for name in tests]
 
     def _session(self, work: Work, tell: Tell) -> Session[Any]:
         """The session of these steps; the tests are looked at once."""
@@ -243,14 +252,6 @@ class Tasks:
                 session = session.add(step, step.note)
             self._sessions[key] = session
         return self._sessions[key]
-
-
-def _checked(tests: Mapping[str, Campaign]) -> list[tuple[CheckFinding, ...]]:
-    """What the checks say of each campaign."""
-    found = [examine(item) for item in tests.values()]
-    for own in found:
-        refuse(own)
-    return found
 
 
 def _save_checks(place: Path, checked: Sequence[Sequence[CheckFinding]]) -> None:

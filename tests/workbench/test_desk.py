@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from threading import Event
 
 import numpy as np
 import pytest
 from asgi import Browser
 from commands import said
-from long_work import done, waited
+from long_work import MINUTE, done, waited
 
 from pmmkit.actions import action
 from pmmkit.base import DataError
+from pmmkit.campaigns import open_campaign
 from pmmkit.files import datasets_folder
 from pmmkit.models import Standing, load_model
+from pmmkit.reduction import reduce_campaign
 from pmmkit.views.pages.page_file import bundle
 from pmmkit.workbench import Desk, WorkbenchState, frozen_page
 from pmmkit.workbench.application import answers, application
@@ -43,6 +47,35 @@ def test_the_error_falls_to_the_noise_as_what_hides_is_clicked_in(looped):
     assert looped["after"]["within"] > looped["before"]["within"]
 
 
+def test_the_state_is_answered_while_something_long_is_worked_out(desk, looped):
+    begun, free = Event(), Event()
+
+    def turn():
+        begun.set()
+        assert free.wait(MINUTE)
+        return "turn"
+
+    with ThreadPoolExecutor(3) as pool:
+        try:
+            first = pool.submit(desk.known.once, ("a turn",), turn)
+            assert begun.wait(MINUTE)
+            second = pool.submit(desk.known.once, ("a turn",), lambda: "made twice")
+            desk.known.once(("tests",), lambda: "read")
+            assert pool.submit(desk.page).result(MINUTE)["opened"]
+        finally:
+            free.set()
+        assert first.result() == second.result() == "turn"
+
+
+def test_an_answer_that_failed_is_asked_for_again(desk):
+    def fails():
+        raise DataError("The file is gone.")
+
+    with pytest.raises(DataError, match="gone"):
+        desk.known.once(("a record",), fails)
+    assert desk.known.once(("a record",), lambda: "there again") == "there again"
+
+
 @pytest.mark.slow
 def test_a_structure_is_lent_propeller_and_rudder_and_the_commands_say_so(place, tmp_path):
     desk = Desk(tmp_path / "lent", [place], action)
@@ -51,6 +84,8 @@ def test_a_structure_is_lent_propeller_and_rudder_and_the_commands_say_so(place,
         desk.open(WorkbenchState(campaign=tests, model="cubic", parts="s175-3dof"))
         desk.wait(lambda _: None)
         made = load_model(desk.folder / "model_0.toml")
+        reduction = reduce_campaign(open_campaign(tests), structure="cubic", fn="pooled")
+        assert desk.checks() == [item.to_dict() for item in reduction.findings]
         assert made.parts["rudder_mmg"].source == "library: Son and Nomoto 1981"
         assert Standing.of(made, 1.0).estimated == ()
         first = desk.page()["commands"][0]["line"]
