@@ -13,7 +13,7 @@ from pmmkit.conventions import CHANNEL_UNITS, Convention
 from pmmkit.inference import Restricted, RunEffects
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.reduction.estimate import BIRGE_P, ChannelFit, RunBlock, Width
-from pmmkit.reduction.observations.equations import Rows, Sensitivity, sensitivity
+from pmmkit.reduction.observations.equations import Rows, Sensitivity, residuals, sensitivity
 from pmmkit.reduction.observations.noise import whiteners
 
 ONE_DEGREE = TypeB(name="drift", std=float(np.radians(1.0)))
@@ -137,8 +137,8 @@ def drawn(
     for place, block in enumerate(blocks):
         private = [change for change in changes[block.run] if not change.source.shared]
         count = len(block.rows)
-        told = [change.residual(channel, values)[block.keep] for change in private]
-        stated.append(np.stack(told, axis=1) if told else np.zeros((count, 0)))
+        told = residuals([*private, between.drift[block.run]], channel, values)[:, block.keep]
+        stated.append(told[:-1].T)
         if block.covariance is None:  # what it draws is part of what the fit leaves of it
             own.append(np.zeros((count, len(RunEffects.KINDS) - 1 + count)))
             continue
@@ -147,7 +147,7 @@ def drawn(
         columns = {
             "offset": size * mean,
             "gain": between.readings[block.run][channel][block.keep] - residual[place],
-            "drift": between.drift[block.run].residual(channel, values)[block.keep],
+            "drift": told[-1],
         }
         left = [
             np.zeros(count) if name in known else columns[name] for name in RunEffects.KINDS[:-1]

@@ -205,14 +205,30 @@ def _kin(settings: Settings) -> tuple[int, int]:
     )
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ByRecords:
+    """What a channel's records say by their noise alone, whatever runs draw for themselves.
+
+    `noise`: of each block. `chosen`, `plain`: columns that can be fitted, and their fit by it.
+    """
+
+    noise: Noise
+    chosen: tuple[int, ...]
+    plain: LeastSquares
+
+    @classmethod
+    def of(cls, blocks: Sequence[RunBlock], names: Sequence[str], required: int) -> ByRecords:
+        """Of blocks whose first columns have to be fitted, the others where they can."""
+        noise = stated_noise(blocks)
+        design, rows = _white(blocks, _whiteners(noise, [None] * len(blocks)))
+        optional = optional_columns(design[:, :required], names[required:], design[:, required:])
+        chosen = (*range(required), *(required + place for place in optional))
+        plain = LeastSquares.of([names[place] for place in chosen], design[:, chosen], rows)
+        return cls(noise=noise, chosen=chosen, plain=plain)
+
+
 def fit_channel(
-    channel: str,
-    blocks: Sequence[RunBlock],
-    names: Sequence[str],
-    required: int,
-    private: Mapping[int, Array],
-    *,
-    stated: Noise | None = None,
+    channel: str, blocks: Sequence[RunBlock], records: ByRecords, private: Mapping[int, Array]
 ) -> ChannelFit:
     """Fit the derivatives of one channel to the rows of one Froude number.
 
@@ -222,12 +238,7 @@ def fit_channel(
         private[block.run] if block.run in private and block.covariance is not None else None
         for block in blocks
     ]
-    noise = stated or stated_noise(blocks)
-    design, rows = _white(blocks, _whiteners(noise, [None] * len(blocks)))
-    optional = optional_columns(design[:, :required], names[required:], design[:, required:])
-    chosen = [*range(required), *(required + place for place in optional)]
-    columns = [names[place] for place in chosen]
-    plain = LeastSquares.of(columns, design[:, chosen], rows)
+    noise, chosen, columns = records.noise, records.chosen, records.plain.names
     whiteners = _whiteners(noise, scatter)
     design, rows = _white(blocks, whiteners)
     found = LeastSquares.of(columns, design[:, chosen], rows)
@@ -241,8 +252,8 @@ def fit_channel(
     return ChannelFit(
         channel=channel,
         fit=found,
-        plain=plain,
-        chosen=tuple(chosen),
+        plain=records.plain,
+        chosen=chosen,
         blocks=tuple(blocks),
         whiteners=tuple(whiteners),
         noise=noise,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -31,6 +32,8 @@ BEYOND_COUNTING: Final = 1e6
 """Degrees of freedom from which noise is known; F of infinitely many has no number."""
 
 
+_Groups = tuple[tuple[int, tuple[int, ...]], ...]
+"""Froude groups of a solution, each with the places of its runs."""
 _Judgement = tuple[float, float]
 """How far a run departs in one channel, and the probability of so much, for one run."""
 
@@ -49,13 +52,19 @@ def runs_at_odds(
     A bad run makes the scatter of all look larger, so that the runs that depart most are judged
     again by values and scatter of the others alone, and the rest anew without the worst.
     """
+
+    @cache
+    def solved(groups: _Groups) -> Solution:
+        members = [(float(solution.Fn[number]), runs) for number, runs in groups]
+        return solve(rows, sensitivities, columns, members, solution.between.unknown())
+
     limit = AT_ODDS / max(len(found), 1)
     odd: list[Influence] = []
-    rest = tuple(found)
     for _ in range(MOST):
         aside = {one.run for one in odd}
+        rest = influences(solved(_without(aside, solution, rows)), rows) if aside else found
         judged = {
-            run: _by_the_others({run, *aside}, run, solution, rows, sensitivities, columns)
+            run: _by_the_others({run, *aside}, run, solution, rows, sensitivities, solved)
             for run in _suspects(rest, aside)
         }
         worst = min(judged, key=lambda run: _least_chance(judged[run]), default="")
@@ -67,10 +76,6 @@ def runs_at_odds(
             for one in found
             if one.run == worst and (own := beyond.get(one.channel))
         ]
-        without = _without({worst, *aside}, solution, rows)
-        rest = influences(
-            solve(rows, sensitivities, columns, without, solution.between.unknown()), rows
-        )
     return tuple(odd)
 
 
@@ -85,14 +90,12 @@ def _least_chance(judged: Mapping[str, _Judgement]) -> float:
     return min((chance for _, chance in judged.values()), default=1.0)
 
 
-def _without(
-    aside: Collection[str], solution: Solution, rows: Sequence[Rows]
-) -> list[tuple[float, list[int]]]:
-    """Froude numbers with their runs, some left out."""
-    return [
-        (float(Fn), [place for place in members if rows[place].result.run.id not in aside])
-        for Fn, members in zip(solution.Fn, solution.groups, strict=True)
-    ]
+def _without(aside: Collection[str], solution: Solution, rows: Sequence[Rows]) -> _Groups:
+    """Froude groups with their runs, some left out."""
+    return tuple(
+        (group, tuple(place for place in members if rows[place].result.run.id not in aside))
+        for group, members in enumerate(solution.groups)
+    )
 
 
 def _by_the_others(
@@ -101,7 +104,7 @@ def _by_the_others(
     solution: Solution,
     rows: Sequence[Rows],
     sensitivities: Sequence[Sequence[Sensitivity]],
-    columns: DerivativeNames,
+    solved: Callable[[_Groups], Solution],
 ) -> dict[str, _Judgement]:
     """A run in each channel, judged by values and scatter of the runs that are not aside."""
     group, members = next(
@@ -115,7 +118,7 @@ def _by_the_others(
     without = _without(aside, solution, rows)
     if not without[group][1]:
         return {}  # nobody else was at this speed
-    others = solve(rows, sensitivities, columns, [without[group]], solution.between.unknown())
+    others = solved((without[group],))
     judged = {
         item.channel: _held_against(others, item, number, own, changes, between)
         for place, item in solution.fits

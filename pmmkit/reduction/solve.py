@@ -28,16 +28,15 @@ from pmmkit.reduction.between_runs import (
 )
 from pmmkit.reduction.derivatives import DerivativeNames
 from pmmkit.reduction.estimate import (
+    ByRecords,
     ChannelFit,
     RunBlock,
     blocks_of,
     fit_channel,
     origins_of,
     solvable,
-    stated_noise,
 )
-from pmmkit.reduction.observations.equations import Rows, Sensitivity
-from pmmkit.reduction.observations.noise import Noise
+from pmmkit.reduction.observations.equations import Rows, Sensitivity, residuals
 
 # All derivatives together with their joint covariance, and what pushes them.
 
@@ -113,13 +112,16 @@ def join(
             for kind, column in enumerate(moved.T):
                 key = (_DRAWN, kind, run, "" if _kind(kind) == "drift" else item.channel)
                 columns.setdefault(key, np.zeros(total))[span] += column
-            for number, change in enumerate(sensitivities[run]):
+            changes = sensitivities[run]
+            moves = residuals(changes, item.channel, values) if changes else np.zeros((0, 0))
+            for number, (change, shift) in enumerate(
+                zip(changes, np.nan_to_num(moves), strict=True)
+            ):
                 if not change.source.shared and block.covariance is None:
                     continue
-                shift = change.residual(item.channel, values)[block.keep]
                 own = None if change.source.shared else run
                 push = columns.setdefault((_STATED, number, own, ""), np.zeros(total))
-                push[span] += (gain if change.source.shared else pull) @ np.nan_to_num(shift)
+                push[span] += (gain if change.source.shared else pull) @ shift[block.keep]
         variance = np.stack(parts)
         doubt = item.noise.doubt
         unknown[span] = np.any(variance[np.isinf(doubt).any(axis=1)] > 0, axis=0)
@@ -275,9 +277,9 @@ class _Case:
     held: Mapping[str, float]
 
     @cached_property
-    def stated(self) -> Noise:
-        """Noise that the records state."""
-        return stated_noise(self.blocks)
+    def records(self) -> ByRecords:
+        """What the records say by their noise alone."""
+        return ByRecords.of(self.blocks, self.names, self.required)
 
     @property
     def size(self) -> float:
@@ -309,9 +311,7 @@ class _Case:
 
     def _fitted(self, private: Mapping[int, Array]) -> ChannelFit:
         with solvable(self.channel, self.Fn):
-            return fit_channel(
-                self.channel, self.blocks, self.names, self.required, private, stated=self.stated
-            )
+            return fit_channel(self.channel, self.blocks, self.records, private)
 
     def judged(
         self, found: ChannelFit, draw: RunDraws, scatter: RunEffects, repeatability: RunEffects

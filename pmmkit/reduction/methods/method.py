@@ -18,7 +18,7 @@ from pmmkit.numerics import Array, projector, rms
 from pmmkit.presentation import Described, Section
 from pmmkit.reduction.derivatives import DerivativeNames
 from pmmkit.reduction.estimate import ChannelFit, RunBlock, Width
-from pmmkit.reduction.observations.equations import Rows, Sensitivity
+from pmmkit.reduction.observations.equations import Rows, Sensitivity, residuals
 from pmmkit.reduction.observations.histories import RunHistory
 from pmmkit.reduction.observations.noise import FLOOR, whiteners
 from pmmkit.reduction.solve import Solution, join, to_table
@@ -216,7 +216,7 @@ def _over_time(
 ) -> Sensitivity:
     """A change of a run's harmonics at the values of the regression, as one of its stretches."""
     moved = {
-        channel: history.basis @ np.nan_to_num(change.residual(channel, values))
+        channel: history.basis @ np.nan_to_num(residuals([change], channel, values)[0])
         for channel in change.names
     }
     return Sensitivity(

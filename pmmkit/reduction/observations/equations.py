@@ -162,10 +162,12 @@ class Sensitivity:
     design: Mapping[str, Array]
     names: Mapping[str, Sequence[str]]
 
-    def residual(self, channel: str, values: Mapping[str, float]) -> Array:
-        """Change of ``force - design @ values`` in one channel, array (m,)."""
-        vector = [values.get(name, 0.0) for name in self.names[channel]]
-        return self.force[channel] - self.design[channel] @ vector
+
+def residuals(changes: Sequence[Sensitivity], channel: str, values: Mapping[str, float]) -> Array:
+    """Changes of ``force - design @ values`` of one run in one channel, array (changes, m)."""
+    vector = [values.get(name, 0.0) for name in changes[0].names[channel]]
+    design = np.stack([change.design[channel] for change in changes])
+    return np.stack([change.force[channel] for change in changes]) - design @ vector
 
 
 def sensitivity(
