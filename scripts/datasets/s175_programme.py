@@ -146,7 +146,9 @@ def record(
         size = CHANNEL_SIZE[channel] * 0.5 * WATER.rho * SHIP.L**2 * 1.5**2 * arm
         gain = 1 + shared.get(f"{channel}_gauge%", 0.0) * std.get(f"{channel}_gauge%", 0.0)
         zero = shared[f"{channel}_gauge"] * std[f"{channel}_gauge"]
-        out[channel] = values * factor * gain + zero + noise(rng, len(t), NOISE * size)
+        told = values * factor * gain + zero + noise(rng, len(t), NOISE * size)
+        # An amplifier tells 24 bits; the file is half as large without those beyond.
+        out[channel] = told.astype(np.float32).astype(float)
     return history(t, out)
 
 
