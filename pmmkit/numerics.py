@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from threadpoolctl import threadpool_limits
 
 Array = NDArray[np.float64]
 
@@ -292,3 +294,18 @@ def turned(psi: Array) -> Array:
     change = np.unwrap(psi) - psi[0]
     found: Array = np.maximum.accumulate(change * (1.0 if change[-1] >= 0 else -1.0))
     return found
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Linear algebra by one thread for a while, whatever the process takes else: the last digits of
+    a result hang on their number.
+
+    Examples
+    --------
+    >>> with one_thread():
+    ...     bool(np.linalg.det(np.eye(2)) == 1.0)
+    True
+    """
+    with threadpool_limits(1):
+        yield

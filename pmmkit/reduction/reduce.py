@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from pmmkit.base import CampaignError, ContradictionError, Problem, Workers, __version__
 from pmmkit.campaigns import Campaign
 from pmmkit.conventions import CHANNEL_UNITS, CHANNELS, Convention, Structure
 from pmmkit.intake import CheckFinding, Untold, examine, refuse
 from pmmkit.models import DerivativeTable, TableVerdict
+from pmmkit.numerics import one_thread
 from pmmkit.presentation import Described, Section, counted
 from pmmkit.reduction.agreement import Difference, differences, worst
 from pmmkit.reduction.between_runs import between_runs
@@ -111,13 +110,6 @@ THIRD = 3
 """Cycle over which papers integrate, the first two being transient."""
 
 
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Linear algebra by one thread: its last digits hang on their number."""
-    with threadpool_limits(1):
-        yield
-
-
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Reduction(Described):
     """Everything a reduction found.
@@ -190,7 +182,7 @@ class Reduction(Described):
     @cached_property
     def single_runs(self) -> dict[str, DerivativeTable]:
         """The derivatives from each oscillating run alone, by its id."""
-        with _one_thread():
+        with one_thread():
             return by_run(
                 self.rows,
                 self.sensitivities,
@@ -271,7 +263,7 @@ class Reduction(Described):
         ]
 
 
-@_one_thread()
+@one_thread()
 def reduce_campaign(
     campaign: Campaign,
     *,

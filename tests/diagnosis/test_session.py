@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from hidden_effects import hidden_campaign
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from pmmkit import (
     begin,
@@ -23,7 +24,7 @@ from pmmkit import (
     simulate,
 )
 from pmmkit.base import ModelError, UnknownNameError
-from pmmkit.diagnosis import undone
+from pmmkit.diagnosis import Session, undone
 from pmmkit.diagnosis.captive.held_out import held_out
 from pmmkit.diagnosis.findings import Transfer
 from pmmkit.files import datasets_folder
@@ -321,3 +322,17 @@ def test_a_fit_that_an_effect_cannot_have_says_that_the_tests_do_not_show_it(bar
     tests = begin(bare, hidden_campaign("middle", {"crossflow_drag": -1.0}, seed=3))
     with pytest.raises(ModelError, match=r"CD of crossflow_drag at -0\.\d+ ± .*leave it out, or"):
         tests.add("crossflow_drag").model()
+
+
+@pytest.mark.parametrize("what", ["diagnose", "fall", "held_out_errors", "model"])
+def test_what_a_session_answers_hangs_on_no_number_of_threads(what):
+    """The last digits of a factorisation hang on how many threads make it."""
+    seen = []
+
+    class Evidence:
+        def __getattr__(self, name):
+            return lambda *_: seen.extend(x["num_threads"] for x in threadpool_info())
+
+    with threadpool_limits(2):
+        getattr(Session(evidence=Evidence()), what)()
+    assert set(seen) == {1}

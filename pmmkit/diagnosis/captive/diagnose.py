@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from pmmkit.base import DataError, Problem, Progress, Workers
 from pmmkit.campaigns import Campaign
@@ -24,6 +23,7 @@ from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.effects import CATALOGUE, Effect
 from pmmkit.intake import Untold
 from pmmkit.models import Model, load_model
+from pmmkit.numerics import one_thread
 from pmmkit.reduction import FLOOR, View, columns_of
 
 FLOOR_LEAST: Final = 0.001
@@ -131,7 +131,7 @@ def captive_system(
         mine = [item if isinstance(item, Candidate) else candidate_of(item) for item in candidates]
         every = (*mine, *(candidate_of(item, speeds) for item in own), *_drawn(mine, base, speeds))
         asked = list(every)
-    with threadpool_limits(1):
+    with one_thread():
         system = build(usable, base, asked, floor=floor_for(campaign, usable, floor))
     return replace(system, unasked=tuple(item for item in every if item not in asked))
 
@@ -165,7 +165,7 @@ def with_derivatives(system: System, effects: Sequence[Effect]) -> System:
         [x for x in every if x.name not in taken and not known.issuperset(x.coefficients)]
         for every in ({item.name: item for item in blocks}.values(), system.unasked)
     )
-    with threadpool_limits(1):
+    with one_thread():
         made = build(system.views, base, asked, floor=system.floor)
     return replace(made, unasked=tuple(unasked))
 

@@ -15,7 +15,6 @@ from itertools import product
 from typing import Final
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from pmmkit.conventions import CHANNELS, Structure, parse_derivative
 from pmmkit.diagnosis.captive.adequacy import blocks_of
@@ -40,7 +39,7 @@ from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.effects import BY_SPEED, AddedMass
 from pmmkit.inference import Normal
 from pmmkit.models import Model
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, one_thread
 from pmmkit.presentation import listed
 
 # Which products these runs can be asked for.
@@ -393,7 +392,7 @@ def told_with_formula(
         return found
     if not offered and (found.flags or not found.findings):
         return found
-    with threadpool_limits(1):
+    with one_thread():
         sets = MonomialSets.instead(ranking, DerivativePlaces.of(source))
         if sets is None:
             return found

@@ -16,7 +16,6 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from pmmkit.base import DataError, Progress, Workers, __version__, each, opened
 from pmmkit.diagnosis.captive.base import CaptiveBase
@@ -44,7 +43,7 @@ from pmmkit.diagnosis.outside import (
     read_hidden_entries,
     save_hidden_entries,
 )
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, one_thread
 from pmmkit.reduction import View
 
 LAYOUT: Final = 1
@@ -185,7 +184,7 @@ def _drawn(
     system: System, given: Sequence[str], order: Sequence[tuple[str, float]], digest: str
 ) -> list[HiddenForces]:
     """Forces with each entry hidden in turn; the same of the same digest."""
-    with threadpool_limits(1):
+    with one_thread():
         about, fitted = _fitted(system, given)
         whole = [x for x in about.blocks if not x.candidate.partial]
         made = []
@@ -257,7 +256,7 @@ def _called(
         for i, rows in zip(channel.views, channel.rows, strict=True):
             forces[i][channel.name] = job.rows[channel.name][rows]
     read = [replace(view, force=own) for view, own in zip(views, forces, strict=True)]
-    with threadpool_limits(1):
+    with one_thread():
         system = build(read, base, rest, floor=floor).whole(given)
         found = answer_with_formula(system, given, floor=floor, source=source, offered=False)
     return end_of(job.effect, job.size, found)

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from pmmkit.diagnosis.captive.adequacy import blocks_of, chosen, flags, refused
 from pmmkit.diagnosis.captive.candidate import Candidate
@@ -52,7 +51,7 @@ from pmmkit.diagnosis.evidence import (
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, Verdict
 from pmmkit.effects import BY_SPEED, CATALOGUE, Effect
 from pmmkit.inference import Normal
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, one_thread
 
 # What these runs could show at all, before anybody looks at the residuals.
 
@@ -361,7 +360,7 @@ def _at_home(entries: Sequence[RankedSet], sets: Sets) -> list[RankedSet]:
 def ranked(system: System, given: Sequence[str], seed: int) -> RankedSets:
     """Sets about the model of the moment: the base, what is given, and what the best set names,
     until that stays."""
-    with threadpool_limits(1):
+    with one_thread():
         # What the runs could show is asked about the base alone: beside a coefficient that has a
         # prior, a gain that the base absorbs seems to be seen.
         beside, _, blocks = taken_as_given(system, given)
@@ -396,7 +395,7 @@ def about(system: System, names: Sequence[str]) -> tuple[System, tuple[Candidate
 
 def told(ranking: RankedSets, given: Sequence[str], *, floor: float) -> Diagnosis:
     """What a ranking says: a verdict, and the effects with their rivals."""
-    with threadpool_limits(1):
+    with one_thread():
         return _told(ranking, tuple(given), floor)
 
 

@@ -9,8 +9,6 @@ from functools import partial
 from itertools import combinations
 from typing import Final
 
-from threadpoolctl import threadpool_limits
-
 from pmmkit.base import ModelError, Workers, each, opened
 from pmmkit.diagnosis.evidence import RankedSet
 from pmmkit.diagnosis.free_running.findings import NamedSet, model_of
@@ -19,6 +17,7 @@ from pmmkit.diagnosis.free_running.hypotheses import FreeCandidate, Names
 from pmmkit.diagnosis.free_running.information import Forces
 from pmmkit.diagnosis.free_running.left_out import judged, left_out_error
 from pmmkit.models import Model
+from pmmkit.numerics import one_thread
 from pmmkit.presentation import counted
 
 PAID: Final = 6
@@ -169,7 +168,7 @@ def _fits(
         tell(f"Fit with {' and '.join(asked[0])}")
         return _fit(place, asked)
 
-    with threadpool_limits(1):
+    with one_thread():
         found = dict(each(partial(_fit, place), sets, crew, names=names, here=here))
     return [found[number] for number in range(len(sets))]
 

@@ -8,7 +8,6 @@ from functools import cache, cached_property
 from typing import Final
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from pmmkit.base import ModelError, SimulationError, each, opened
 from pmmkit.diagnosis.evidence import PRICE
@@ -27,7 +26,7 @@ from pmmkit.diagnosis.joint.captive_vote import Ballot, Kind, Names, asked_in, f
 from pmmkit.identification import FreeRecord
 from pmmkit.intake import Disagreement
 from pmmkit.models import Model
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, one_thread
 
 # How well a model knows its values by itself.
 
@@ -279,7 +278,7 @@ class RecordsVote:
             return found if left_out_error(found) <= missed else None
 
         words = [f"set {' and '.join(order)}" for order, _ in asked]
-        with opened(self.system.executor) as crew, threadpool_limits(1):
+        with opened(self.system.executor) as crew, one_thread():
             for place, fit in each(made, asked, crew, names=words):
                 self._known[sets[place]] = fit
 

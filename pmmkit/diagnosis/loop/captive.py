@@ -40,7 +40,7 @@ from pmmkit.diagnosis.refit import stepped
 from pmmkit.effects import CATALOGUE, Effect
 from pmmkit.intake import Untold
 from pmmkit.models import Model, Step
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, one_thread
 from pmmkit.presentation import counted
 from pmmkit.reduction import View
 
@@ -304,6 +304,7 @@ class CaptiveTests:
             found[row] = missed(self.unseen, system.base, blocks, fit)
         return found
 
+    @one_thread()
     def alone(
         self,
         steps: Sequence[Step],

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from pmmkit.base import DataError, ModelError, Problem, Remedy, Way
 from pmmkit.campaigns import Campaign
@@ -57,7 +56,7 @@ from pmmkit.effects import Effect
 from pmmkit.equations import State
 from pmmkit.identification import FreeRecord
 from pmmkit.models import Model, Step
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, one_thread
 from pmmkit.presentation import counted
 
 if TYPE_CHECKING:
@@ -73,7 +72,7 @@ HEADING: Final = "heading"
 
 def refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -> Model:
     """The model with its uncertain values and effects fitted together, a step for each."""
-    with threadpool_limits(1):
+    with one_thread():
         return _refitted(system, begun, steps)
 
 

@@ -23,6 +23,7 @@ from pmmkit.effects import Effect, is_fault
 from pmmkit.files import read_toml, toml_text, write_text
 from pmmkit.identification import FreeRecord
 from pmmkit.models import FileReader, Model, Step, load_model, odds, without_effect
+from pmmkit.numerics import one_thread
 from pmmkit.presentation import Described, Section, counted
 
 # Files of steps, as `Session.save` writes them.
@@ -125,6 +126,7 @@ class Session(Described, Generic[Said]):
         """Effects that the base has now."""
         return (*self.evidence.begun, *(step.effect for step in self.steps))
 
+    @one_thread()
     def diagnose(self, seed: int = 0) -> Said:
         """What the base, with the effects added so far, still lacks; of several campaigns what
         they say together."""
@@ -191,14 +193,17 @@ class Session(Described, Generic[Said]):
             raise ModelError("There is no step to undo.")
         return replace(self, steps=self.steps[:-1])
 
+    @one_thread()
     def fall(self) -> Fall:
         """Errors of what is left out, of the base and after each step."""
         return self.evidence.fall(self.steps)
 
+    @one_thread()
     def held_out_errors(self) -> Mapping[str, Mapping[str, float]]:
         """Errors of what is held out, before and after; empty where nothing is."""
         return self.evidence.held_out_errors(self.steps)
 
+    @one_thread()
     def model(self) -> Model:
         """The model with base and effects fitted together, and with a step per effect.
 

@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from pmmkit.campaigns import Campaign
 from pmmkit.diagnosis.captive.verdict import answer
@@ -28,6 +27,7 @@ from pmmkit.diagnosis.planning.ranking import (
 from pmmkit.diagnosis.planning.separation import expected_odds
 from pmmkit.identification import FreeRecord
 from pmmkit.models import odds
+from pmmkit.numerics import one_thread
 from pmmkit.reduction import FLOOR
 
 NOTHING: Final = "nothing"
@@ -108,7 +108,7 @@ def next_runs(
             **settings,
         )
     floor = FLOOR if floor is None else floor
-    with threadpool_limits(1):
+    with one_thread():
         ground = ground_of(model, campaign, limits=limits, options=options, floor=floor, **settings)
         ground.require(effects)
         if len(effects) > 1:

@@ -10,7 +10,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from pmmkit.base import DataError
 from pmmkit.campaigns import Campaign
@@ -26,7 +25,7 @@ from pmmkit.diagnosis.planning.planned import base_of
 from pmmkit.diagnosis.planning.separation import UsualEffects, usual
 from pmmkit.intake import Untold
 from pmmkit.models import Model
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, one_thread
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -226,7 +225,7 @@ def plan(
     """
     if (runs is not None and runs < 1) or (hours is not None and not hours > 0):
         raise DataError("A plan needs one run at least, and some time.")
-    with threadpool_limits(1):
+    with one_thread():
         ground = ground_of(model, campaign, limits=limits, options=options, **settings)
         ground.require(effects)
         most = runs if runs is not None else RUNS if hours is None else 10**6

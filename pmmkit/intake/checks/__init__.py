@@ -8,14 +8,13 @@ from dataclasses import replace
 from functools import partial
 from typing import Final
 
-from threadpoolctl import threadpool_limits
-
 from pmmkit.base import CampaignError, DataError, Problem, Registry, Workers, each, opened
 from pmmkit.campaigns import Campaign, Run
 from pmmkit.effects import CATALOGUE
 from pmmkit.intake.checks import gauges, late, particulars, record
 from pmmkit.intake.checks.finding import Check, CheckFinding, Summary, accepted, refuse
 from pmmkit.intake.checks.reading import KnownHistory, summarise
+from pmmkit.numerics import one_thread
 
 __all__ = [
     "CHECKS",
@@ -195,7 +194,7 @@ def _read_all(campaign: Campaign, executor: Workers) -> list[Summary]:
     names = [f"run {run.id}" for run in campaign.runs]
     if not isinstance(executor, (str, Executor)):
         Run.fetch(campaign.runs)
-    with opened(executor) as ready, threadpool_limits(1):
+    with opened(executor) as ready, one_thread():
         found = dict(each(work, campaign.runs, ready, names=names, here=here))
     summaries: list[Summary] = []
     problems: list[Problem] = []

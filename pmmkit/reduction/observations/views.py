@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING, Final, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from pmmkit.base import DataError, Workers, each, opened
 from pmmkit.campaigns import Campaign, Rig, Run, TankRecord
 from pmmkit.conventions import CHANNELS, Ship, Water
 from pmmkit.effects import State
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, one_thread
 from pmmkit.reduction.observations.prepare import PreparedRun, places_of
 
 if TYPE_CHECKING:
@@ -201,7 +200,7 @@ class View:
         lean = campaign.with_(runs=(), excluded=())
         work = partial(_views, campaign=lean, rig=lean.rig, keep=unknown_noise, pieces=pieces)
         names = [f"run {run.id}" for run in campaign.runs]
-        with opened(executor) as ready, threadpool_limits(1):
+        with opened(executor) as ready, one_thread():
             own = dict(each(work, campaign.runs, ready, names=names))
         found = [
             replace(view, day=day)

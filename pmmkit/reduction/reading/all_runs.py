@@ -14,10 +14,9 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from threadpoolctl import threadpool_limits
-
 from pmmkit.base import CampaignError, DataError, Workers, each, opened
 from pmmkit.campaigns import Run
+from pmmkit.numerics import one_thread
 from pmmkit.presentation import counted
 from pmmkit.reduction.reading.resume import StoredResults
 from pmmkit.reduction.reading.run import Reading, ReductionSettings, read_run
@@ -138,7 +137,7 @@ def read_all(settings: ReductionSettings, tell: Progress, means: Means) -> list[
     pace = _Pace(weights=[size_of(runs[place]) + SMALL for place in left])
     wrong: dict[int, DataError] = {}
     with (
-        threadpool_limits(1),
+        one_thread(),
         closing(_each([runs[place] for place in left], settings, means, pace)) as results,
     ):
         for done, (number, result) in enumerate(results, start=1):
