@@ -249,6 +249,25 @@ def test_values_that_cannot_be_shown_do_no_harm(value, scale):
     assert not re.search(r'="[^"]*(nan|inf)', text.split("<rect", 1)[1])
 
 
+@pytest.mark.parametrize(
+    "draw",
+    [
+        lambda axis, **look: axis.plot([0, 1], [0, 1], **look),
+        lambda axis, **look: axis.hlines(0.0, 0.0, 1.0, **look),
+        lambda axis, **look: axis.axvline(0.0, **look),
+        lambda axis, **look: axis.axhspan(0.0, 1.0, **look),
+        lambda axis, **look: axis.fill_between([0, 1], 0.0, 1.0, **look),
+        lambda axis, **look: axis.bar([0, 1], [0, 1], **look),
+    ],
+)
+def test_no_word_of_how_a_mark_looks_is_passed_over(draw):
+    axis = Figure().subplots()
+    for wrong in ({"linewidth": 2.0}, {"colour": INK}, {"markeredgewidths": 1.0}):
+        with pytest.raises(TypeError, match=f"has no {next(iter(wrong))}"):
+            draw(axis, color=INK, **wrong)
+    assert not axis.marks
+
+
 def test_axes_of_one_side_have_the_same_ends_and_ticks():
     figure = Figure()
     grid = figure.subplots(1, 3, sharey=True)

@@ -163,7 +163,6 @@ def _bars(
         yerr=np.nan_to_num(np.abs([value - low, high - value])),
         color=colour(number),
         hatch=hatch(number) if number else "",
-        edgecolor="white",
         label=label,
     )
 
