@@ -275,17 +275,17 @@ def test_axes_of_one_side_have_the_same_ends_and_ticks():
         axis.plot([0, 1], [0, number], color=INK)
         axis.set_ylim(0.0, float(number))
     grid[0].set_yticks([0.0, 3.0], ["none", "all"])
-    frames = figure.laid_out().frames
+    frames = laid_out(figure).frames
     assert {frame.y for frame in frames} == {(0.0, 3.0)}
     assert {frame.yticks.at for frame in frames} == {(0.0, 3.0)}
-    assert [own.text for own in figure.laid_out().letters].count("all") == 1
+    assert [own.text for own in laid_out(figure).letters].count("all") == 1
 
 
 def test_polygons_that_turn_against_each_other_leave_no_hole():
     square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
     figure = Figure(height=3.0, width=3.0)
     figure.subplots().polygons(np.stack([square, square[::-1] + 1.0]), color=INK)
-    (fill,) = (shape for shape in figure.laid_out().shapes if isinstance(shape, Fill))
+    (fill,) = (shape for shape in laid_out(figure).shapes if isinstance(shape, Fill))
     edges = [np.diff(ring, axis=0, append=ring[:1]) for ring in fill.rings]
     turns = [x * np.roll(y, -1) - y * np.roll(x, -1) for x, y in (edge.T for edge in edges)]
     assert len({bool(np.all(turn > 0)) for turn in turns}) == 1
