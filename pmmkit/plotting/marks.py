@@ -17,6 +17,8 @@ Across = Literal["left", "center", "right"]
 Upright = Literal["top", "center", "bottom", "baseline"]
 INK: Final = "#222222"
 """Of letters and of what is drawn without a colour of its own."""
+OPEN: Final = frozenset("x+|")
+"""Marks that are strokes alone."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
