@@ -187,7 +187,8 @@ def _across(axes: Axes, box: Box, x: tuple[float, float]) -> Marked:
         wide = max((width_of(text, own.size) for text in found.labels), default=0.0)
         if room == 1 or own.at is not None or len(found.at) < 2:
             return found
-        if wide + 0.8 * own.size <= box.width / max(len(found.at) - 1, 1):
+        step = box.width * (found.at[1] - found.at[0]) / abs(x[1] - x[0])
+        if wide + 0.8 * own.size <= step:
             return found
         room -= 1
 

@@ -152,6 +152,19 @@ def test_no_text_covers_another_or_leaves_the_figure():
         assert box.bottom <= scene.height + 0.5, text
 
 
+@given(st.floats(-100.0, 100.0), st.floats(0.1, 100.0), st.floats(2.5, 9.0))
+@settings(max_examples=100, deadline=None)
+def test_numbers_of_an_abscissa_stand_apart(low, span, width):
+    figure = Figure(height=2.0, width=width)
+    axis = figure.subplots()
+    axis.set_xlim(low, low + span)
+    axis.set_yticks([])
+    boxes = [own.box for own in laid_out(figure).letters]
+    assert len(boxes) > 1
+    for one, other in itertools.pairwise(boxes):
+        assert one.right + 4.0 < other.left
+
+
 def test_axes_of_a_column_begin_and_end_alike():
     scene = laid_out(crowded())
     for column in range(3):
