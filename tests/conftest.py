@@ -6,7 +6,6 @@ import gc
 import io
 import json
 import os
-from collections.abc import Iterator
 from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,6 @@ from typing import Any
 import pytest
 from hypothesis import settings
 from kept import Kept
-from pictures import without_pictures
 
 # The same examples for everyone; scripts/studies/properties.py looks for others.
 settings.register_profile("everyone", deadline=None, derandomize=True)
@@ -45,13 +43,6 @@ def pytest_collection_finish() -> None:
 
 def _file(item: pytest.Item) -> str:
     return item.nodeid.split("::")[0]
-
-
-@pytest.fixture
-def undrawn() -> Iterator[None]:
-    """Reports and files without pictures, which take most of their time, where others are asked."""
-    with without_pictures():
-        yield
 
 
 @pytest.fixture(scope="session")
@@ -85,6 +76,6 @@ def hmri(
 
     folder = tmp_path_factory.mktemp("hmri") / "kvlcc2_hmri-reduced"
     words = ["reduce", datasets / "kvlcc2_hmri", "--data", shared_data, "--structure", "mmg"]
-    with without_pictures(), redirect_stdout(io.StringIO()) as told:
+    with redirect_stdout(io.StringIO()) as told:
         assert main([*map(str, words), "--out", str(folder), "--json"]) == 0
     return folder, json.loads(told.getvalue())

@@ -35,7 +35,7 @@ def measures(names: Sequence[str], over: Array) -> Figure:
         low, high = ends[:, number].T
         axis.barh(places, high - low, left=low, height=height, color=shade, label=label)
     axis.axvline(0.0, color=REFERENCE, lw=1.0, ls="--")
-    beyond(axis, ends[:, 0, 1], places, limit, INK)
+    beyond(axis, ends[:, 0, 1], places, (-limit, limit), INK)
     axis.set_yticks(places, names)
     axis.set_ylim(len(names) - 0.4, -0.6)
     axis.set_xlim(-limit, limit)

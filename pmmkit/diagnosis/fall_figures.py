@@ -128,7 +128,6 @@ def _beside(axis: Axes, steps: Sequence[str], bars: Sequence[Bars]) -> None:
             width=0.92 * width,
             color=colour(number),
             hatch=hatch(number),
-            edgecolor="white",
             label=f"+ {words}" if number else words,
         )
     levels = np.array([own.level for own in bars])

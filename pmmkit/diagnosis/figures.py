@@ -38,7 +38,7 @@ def evidence(
     axis = figure.subplots()
     for place, i in zip(places, shown, strict=True):
         label, colour, hatch = _KINDS[faults[i]]
-        look: dict[str, Any] = {"color": colour, "hatch": hatch, "edgecolor": "white"}
+        look: dict[str, Any] = {"color": colour, "hatch": hatch}
         axis.barh(place, log_evidence[i], height=1.0, alpha=1.0 if named[i] else 0.35, **look)
         axis.barh(place, 0.0, label=label, **look)
     axis.axvline(0.0, color=INK, lw=0.8)

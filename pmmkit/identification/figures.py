@@ -120,4 +120,4 @@ def _intervals(
             label=f"{item.method}, 95 %" if face == colour else None,
             zorder=3,
         )
-    beyond(axis, value, at, limit, colour, size=8)
+    beyond(axis, value, at, (-limit, limit), colour)

@@ -19,6 +19,7 @@ from pmmkit.numerics import Array
 from pmmkit.plotting import style
 from pmmkit.plotting.axes import Axes
 from pmmkit.plotting.figure import Figure
+from pmmkit.plotting.layout import laid_out
 from pmmkit.plotting.marks import INK
 from pmmkit.plotting.turns import WATERLINE, open_mark, oriented, path_axes
 from pmmkit.presentation import figure_text, number
@@ -173,7 +174,7 @@ def _pictures(track: TrackLike, frames: int, called: Callable[[str], str]) -> It
         axis.set_title(" ")  # room for the title that changes
     figure.suptitle(figure_text(f"{track.name}, L = {track.L:.4g} m, Fn {track.Fn:.3f}"))
     figure.legend_below(list(axes), columns=5)
-    scene = figure.laid_out()
+    scene = laid_out(figure)
     drawing = drawn(scene)
     drawing.set_dpi(DOTS)
     over = moving_axes(drawing, scene)

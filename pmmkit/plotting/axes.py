@@ -7,7 +7,7 @@ names and words of matplotlib's axes, which everybody knows.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -17,7 +17,7 @@ from pmmkit.numerics import Array
 from pmmkit.plotting.extent import Scale, Side, Ticks, extent
 from pmmkit.plotting.marks import (
     INK,
-    NAMELESS,
+    Across,
     Area,
     Arrow,
     BarSeries,
@@ -29,6 +29,7 @@ from pmmkit.plotting.marks import (
     Segments,
     Shades,
     Strip,
+    Upright,
     Words,
 )
 
@@ -129,7 +130,7 @@ class Axes:
 
     def plot(self, x: ArrayLike, y: ArrayLike, **look: Any) -> Line:
         """A line through points, or points alone (``ls=""`` with a ``marker``)."""
-        line = Line(**_line(x, y, look))
+        line = _line(x, y, look)
         self.marks.append(line)
         return line
 
@@ -145,14 +146,14 @@ class Axes:
         **look: Any,
     ) -> Line:
         """Points with intervals: half of each (n,), or what is below and above (2, n)."""
-        own = _line(x, y, look)
-        thick = own["width"] if elinewidth is None else elinewidth
+        points = _line(x, y, look)
         errors: dict[str, Any] = {
-            f"{side}_error": np.broadcast_to(np.asarray(half, float), (2, len(own["x"])))
+            f"{side}_error": np.broadcast_to(np.asarray(half, float), (2, len(points.x)))
             for side, half in (("x", xerr), ("y", yerr))
             if half is not None
         }
-        line = Line(**own, **errors, cap=capsize, error_width=thick)
+        thick = points.width if elinewidth is None else elinewidth
+        line = replace(points, **errors, cap=capsize, error_width=thick)
         self.marks.append(line)
         return line
 
@@ -166,34 +167,47 @@ class Axes:
 
     def axhline(self, y: float, **look: Any) -> None:
         """A level line from end to end."""
-        self.marks.append(Rule(at=float(y), upright=False, **_stroke(look)))
+        self.marks.append(Rule(at=float(y), upright=False, **_looks(Rule, look)))
 
     def axvline(self, x: float, **look: Any) -> None:
         """An upright line from end to end."""
-        self.marks.append(Rule(at=float(x), upright=True, **_stroke(look)))
+        self.marks.append(Rule(at=float(x), upright=True, **_looks(Rule, look)))
 
     def axhspan(self, low: float, high: float, **look: Any) -> None:
         """A level band from end to end."""
-        self.marks.append(Strip(low=float(low), high=float(high), upright=False, **_fill(look)))
+        own = _looks(Strip, look)
+        self.marks.append(Strip(low=float(low), high=float(high), upright=False, **own))
 
     def axvspan(self, low: float, high: float, **look: Any) -> None:
         """An upright band from end to end."""
-        self.marks.append(Strip(low=float(low), high=float(high), upright=True, **_fill(look)))
+        own = _looks(Strip, look)
+        self.marks.append(Strip(low=float(low), high=float(high), upright=True, **own))
 
     def fill_between(self, x: ArrayLike, low: ArrayLike, high: ArrayLike, **look: Any) -> None:
         """What lies between two curves."""
         x, low, high = np.broadcast_arrays(_array(x), _array(low), _array(high))
-        self.marks.append(Area(x=x, low=low, high=high, **_fill(look)))
+        self.marks.append(Area(x=x, low=low, high=high, **_looks(Area, look)))
 
     def polygons(self, corners: ArrayLike, *, outline: float = 0.0, **look: Any) -> None:
         """Filled polygons (n, corners, 2), or a single one (corners, 2)."""
         own = np.asarray(corners, float)
         shapes = own if own.ndim == 3 else own[None]
-        self.marks.append(Polygons(corners=shapes, outline=outline, **_fill(look)))
+        self.marks.append(Polygons(corners=shapes, outline=outline, **_looks(Polygons, look)))
 
-    def bar(self, x: ArrayLike, height: ArrayLike, width: float = 0.8, **look: Any) -> None:
+    def bar(
+        self,
+        x: ArrayLike,
+        height: ArrayLike,
+        width: float = 0.8,
+        yerr: ArrayLike | None = None,
+        *,
+        color: str | Sequence[str],
+        **look: Any,
+    ) -> None:
         """Upright bars from zero; ``yerr`` puts an interval on each."""
-        self._bars(x, 0.0, height, width, look, sideways=False)
+        self._bars(x, 0.0, height, width, color, look, sideways=False)
+        if yerr is not None:
+            self.errorbar(x, height, yerr, ls="", color=INK, elinewidth=0.9, capsize=2)
 
     def barh(
         self,
@@ -201,16 +215,18 @@ class Axes:
         width: ArrayLike,
         left: ArrayLike = 0.0,
         height: float = 0.8,
+        *,
+        color: str | Sequence[str],
         **look: Any,
     ) -> None:
         """Level bars from ``left`` on."""
-        self._bars(y, left, width, height, look, sideways=True)
+        self._bars(y, left, width, height, color, look, sideways=True)
 
-    def hist(self, values: ArrayLike, bins: Any = "auto", **look: Any) -> None:
+    def hist(self, values: ArrayLike, bins: Any = "auto", *, color: str, **look: Any) -> None:
         """How many values lie in each of some classes."""
         counts, edges = np.histogram(_array(values), bins)
         middle, thick = (edges[:-1] + edges[1:]) / 2, float(edges[1] - edges[0])
-        self._bars(middle, 0.0, counts, thick, look, sideways=False)
+        self._bars(middle, 0.0, counts, thick, color, look, sideways=False)
 
     def stairs(
         self, values: ArrayLike, edges: ArrayLike, *, fill: bool = False, **look: Any
@@ -224,19 +240,10 @@ class Axes:
             self.plot(x, y, **look)
 
     def mosaic(
-        self,
-        values: ArrayLike,
-        shades: Shades,
-        *,
-        x: float = 0.0,
-        y: float = 0.0,
-        gap: float = 0.0,
-        label: str = NAMELESS,
+        self, values: ArrayLike, shades: Shades, *, x: float = 0.0, y: float = 0.0, gap: float = 0.0
     ) -> Mosaic:
         """Coloured cells of a matrix, the first at (x, y)."""
-        cells = Mosaic(
-            values=np.asarray(values, float), shades=shades, x=x, y=y, gap=gap, label=label
-        )
+        cells = Mosaic(values=np.asarray(values, float), shades=shades, x=x, y=y, gap=gap)
         self.marks.append(cells)
         return cells
 
@@ -247,8 +254,8 @@ class Axes:
         text: str,
         *,
         xytext: tuple[float, float] = (0.0, 0.0),
-        ha: Literal["left", "center", "right"] = "left",
-        va: Literal["top", "center", "bottom", "baseline"] = "baseline",
+        ha: Across = "left",
+        va: Upright = "baseline",
         fontsize: float | str = 10.0,
         color: str = INK,
         rotation: float = 0.0,
@@ -415,7 +422,9 @@ class Axes:
         self, x0: ArrayLike, y0: ArrayLike, x1: ArrayLike, y1: ArrayLike, look: Mapping[str, Any]
     ) -> None:
         begin_x, begin_y, end_x, end_y = np.broadcast_arrays(*map(_array, (x0, y0, x1, y1)))
-        self.marks.append(Segments(x0=begin_x, y0=begin_y, x1=end_x, y1=end_y, **_stroke(look)))
+        self.marks.append(
+            Segments(x0=begin_x, y0=begin_y, x1=end_x, y1=end_y, **_looks(Segments, look))
+        )
 
     def _bars(
         self,
@@ -423,13 +432,12 @@ class Axes:
         base: ArrayLike,
         length: ArrayLike,
         thickness: float,
+        color: str | Sequence[str],
         look: Mapping[str, Any],
         *,
         sideways: bool,
     ) -> None:
         place, base, length = np.broadcast_arrays(_array(place), _array(base), _array(length))
-        colour, more = look["color"], dict(look)
-        yerr = more.pop("yerr", None)
         self.marks.append(
             BarSeries(
                 place=place,
@@ -437,18 +445,10 @@ class Axes:
                 length=length,
                 thickness=float(thickness),
                 sideways=sideways,
-                colours=[colour] * len(place) if isinstance(colour, str) else list(colour),
-                hatch=more.get("hatch") or "",
-                edge=more.get("edgecolor", ""),
-                alpha=more.get("alpha", 1.0),
-                label=more.get("label") or NAMELESS,
-                order=more.get("zorder", 1.0),
+                colours=[color] * len(place) if isinstance(color, str) else list(color),
+                **_looks(BarSeries, look),
             )
         )
-        if yerr is not None:
-            self.errorbar(
-                place, length, yerr, ls="", color=INK, elinewidth=0.9, capsize=2, zorder=2.0
-            )
 
 
 @dataclass(kw_only=True, eq=False)
@@ -494,27 +494,6 @@ def _stated(
     )
 
 
-def _stroke(look: Mapping[str, Any]) -> dict[str, Any]:
-    """Colour, width, dash, label and order of a line."""
-    return {
-        "colour": look["color"],
-        "width": look.get("lw", 1.6),
-        "dash": look.get("ls", "-"),
-        "label": look.get("label") or NAMELESS,
-        "order": look.get("zorder", 2.0),
-    }
-
-
-def _fill(look: Mapping[str, Any]) -> dict[str, Any]:
-    """Colour, opacity, label and order of an area."""
-    return {
-        "colour": look["color"],
-        "alpha": look.get("alpha", 1.0),
-        "label": look.get("label") or NAMELESS,
-        "order": look.get("zorder", 1.0),
-    }
-
-
 _LOOKS: Final = {
     "color": "colour",
     "lw": "width",
@@ -525,6 +504,7 @@ _LOOKS: Final = {
     "markeredgecolor": "edge",
     "markeredgewidth": "edge_width",
     "markevery": "every",
+    "hatch": "hatch",
     "alpha": "alpha",
     "label": "label",
     "zorder": "order",
@@ -532,7 +512,14 @@ _LOOKS: Final = {
 }
 
 
-def _line(x: ArrayLike, y: ArrayLike, look: Mapping[str, Any]) -> dict[str, Any]:
+def _line(x: ArrayLike, y: ArrayLike, look: Mapping[str, Any]) -> Line:
     x, y = np.broadcast_arrays(_array(x), _array(y))
-    own = {_LOOKS[name]: value for name, value in look.items() if value is not None}
-    return {"x": x, "y": y, "width": 1.6, **own}
+    return Line(x=x, y=y, **_looks(Line, look))
+
+
+def _looks(kind: type[Mark], look: Mapping[str, Any]) -> dict[str, Any]:
+    """How a mark of a kind looks, by its fields; words that say nothing of it are refused."""
+    known = {field.name for field in fields(kind)}
+    if unknown := [word for word in look if _LOOKS.get(word) not in known]:
+        raise TypeError(f"{kind.__name__} has no {', '.join(unknown)}.")
+    return {_LOOKS[word]: value for word, value in look.items() if value is not None}

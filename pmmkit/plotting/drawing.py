@@ -16,6 +16,7 @@ from pmmkit.plotting.extent import Ticks, ticks
 from pmmkit.plotting.letters import width_of
 from pmmkit.plotting.marks import (
     INK,
+    OPEN,
     Area,
     Arrow,
     BarSeries,
@@ -45,8 +46,6 @@ _HEAD: Final = 5.0
 """Length of the head of an arrow [pt]."""
 _STEPS: Final = 64
 """Colours of a smooth scale."""
-_OPEN: Final = frozenset("x+|")
-"""Marks that are strokes alone."""
 
 
 def drawn_marks(marks: Iterable[Mark], frame: PlacedAxes) -> Iterator[Shape]:
@@ -94,7 +93,7 @@ def _dots(mark: Line, points: Array, seen: NDArray[np.bool_]) -> Dots:
         points=points[seen],
         marker=mark.marker,
         size=mark.size * (0.5 if mark.marker == "." else 1.0),
-        face="" if face == "none" or mark.marker in _OPEN else face,
+        face="" if face == "none" or mark.marker in OPEN else face,
         edge=mark.edge or mark.colour,
         edge_width=mark.edge_width,
         alpha=mark.alpha,

@@ -11,6 +11,7 @@ from typing import Final, Literal
 import numpy as np
 
 from pmmkit.numerics import Array
+from pmmkit.plotting.letters import SUPERSCRIPTS
 from pmmkit.plotting.marks import (
     Area,
     BarSeries,
@@ -31,7 +32,6 @@ _MOST: Final = 9
 """Intervals of a side at most."""
 _POWERS: Final = (-3, 5)
 """Powers of ten from which on they are written apart from the numbers."""
-_SUPERSCRIPTS: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LARGEST: Final = 1e150
 """Size from which on a value is not shown: its square is no number any more."""
 _ALONE: Final = 0.055
@@ -234,7 +234,7 @@ def _written(at: Sequence[float], step: float) -> Marked:
     unit = 10.0**power
     digits = _digits(step / unit)
     labels = tuple(_plain(f"{x / unit:.{digits}f}") for x in at)
-    told = f"×10{str(power).translate(_SUPERSCRIPTS)}" if power else ""
+    told = f"×10{str(power).translate(SUPERSCRIPTS)}" if power else ""
     return Marked(at=tuple(at), labels=labels, power=told)
 
 

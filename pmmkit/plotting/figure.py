@@ -14,7 +14,6 @@ from pmmkit.files import atomic_path
 from pmmkit.plotting.axes import Axes, AxesGrid, Key, Title
 from pmmkit.plotting.layout import laid_out
 from pmmkit.plotting.marks import Mosaic
-from pmmkit.plotting.scene import Scene
 from pmmkit.plotting.vector import PROLOG, svg
 from pmmkit.plotting.words import in_words
 
@@ -136,17 +135,18 @@ class Figure(AxesGrid):
         else:
             from pmmkit.plotting.raster import pdf
 
-            content = pdf(self.laid_out())
+            content = pdf(laid_out(self))
         with atomic_path(target) as part:
             part.write_bytes(content)
         return target
 
-    def laid_out(self) -> Scene:
-        """Everything that it shows, at its place."""
-        return laid_out(self)
-
-    def svg(self) -> str:
+    def svg(self, words: str = "") -> str:
         """An ``<svg>`` element to stand inside a page.
+
+        Parameters
+        ----------
+        words : str
+            What it shows, for those who do not see it; `in_words` by default.
 
         Examples
         --------
@@ -155,13 +155,13 @@ class Figure(AxesGrid):
         >>> figure.svg().startswith('<svg xmlns="http://www.w3.org/2000/svg" width="648pt"')
         True
         """
-        return svg(self.laid_out(), self.in_words())
+        return svg(laid_out(self), words or self.in_words())
 
     def png(self, dots: float = 150.0) -> bytes:
         """A picture of so many dots per inch."""
         from pmmkit.plotting.raster import png
 
-        return png(self.laid_out(), dots)
+        return png(laid_out(self), dots)
 
     def in_words(self) -> str:
         """What it shows, for those who do not see it."""

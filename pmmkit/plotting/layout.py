@@ -66,10 +66,11 @@ def laid_out(figure: AxesGrid) -> Scene:
     width, height = 72.0 * figure.width, 72.0 * figure.height
     legend = _Legend.of(figure, width)
     inner = _inner(figure, width, height, legend.height)
-    frames = _placed(figure, inner)
+    placed = _placed(figure, inner)
+    frames = tuple(frame for frame, _ in placed)
     shapes: list[Shape] = []
-    for frame in frames:
-        shapes += _axes(frame, frames, width)
+    for frame, needs in placed:
+        shapes += _axes(frame, needs, frames, width)
     shapes += _about(figure, inner, width, height, legend.height)
     if figure.key:
         shapes += colour_key(figure.key, _key_box(inner))
@@ -79,7 +80,7 @@ def laid_out(figure: AxesGrid) -> Scene:
         width=width,
         height=height,
         shapes=tuple(shapes),
-        frames=tuple(frames),
+        frames=frames,
         legend=place if legend.entries else None,
     )
 
@@ -112,26 +113,25 @@ def _key_box(inner: Box) -> Box:
 class _Needs:
     """Room that axes need for what is about them [pt]."""
 
-    left: float
-    right: float
-    top: float
-    bottom: float
+    left: float = 0.0
+    right: float = 0.0
+    top: float = 0.0
+    bottom: float = 0.0
 
 
-def _placed(figure: AxesGrid, inner: Box) -> list[PlacedAxes]:
+def _placed(figure: AxesGrid, inner: Box) -> list[tuple[PlacedAxes, _Needs]]:
     """Axes at their places: those of a column begin and end alike, and those of a row."""
     widths, heights = np.array(figure.widths, float), np.array(figure.heights, float)
-    none = _Needs(left=0.0, right=0.0, top=0.0, bottom=0.0)
-    needs = {id(axes): none for axes in figure.shown}
-    frames: list[PlacedAxes] = []
+    shown, frames = figure.shown, list[PlacedAxes]()
+    needs = [_Needs()] * len(shown)
     for _ in range(_ROUNDS):
         columns = _ends(
             widths, inner.left, inner.width,
-            [(axes.columns, needs[id(axes)].left, needs[id(axes)].right) for axes in figure.shown],
+            [(axes.columns, own.left, own.right) for axes, own in zip(shown, needs, strict=True)],
         )  # fmt: skip
         rows = _ends(
             heights, inner.top, inner.height,
-            [(axes.rows, needs[id(axes)].top, needs[id(axes)].bottom) for axes in figure.shown],
+            [(axes.rows, own.top, own.bottom) for axes, own in zip(shown, needs, strict=True)],
         )  # fmt: skip
         frames = [
             _framed(
@@ -143,10 +143,10 @@ def _placed(figure: AxesGrid, inner: Box) -> list[PlacedAxes]:
                     rows[1][axes.rows[1]],
                 ),
             )
-            for axes in figure.shown
+            for axes in shown
         ]
-        needs = {id(frame.axes): _needs(frame) for frame in frames}
-    return frames
+        needs = [*map(_needs, frames)]
+    return list(zip(frames, needs, strict=True))
 
 
 def _ends(
@@ -187,7 +187,8 @@ def _across(axes: Axes, box: Box, x: tuple[float, float]) -> Marked:
         wide = max((width_of(text, own.size) for text in found.labels), default=0.0)
         if room == 1 or own.at is not None or len(found.at) < 2:
             return found
-        if wide + 0.8 * own.size <= box.width / max(len(found.at) - 1, 1):
+        step = box.width * (found.at[1] - found.at[0]) / abs(x[1] - x[0])
+        if wide + 0.8 * own.size <= step:
             return found
         room -= 1
 
@@ -260,7 +261,9 @@ def _label_height(frame: PlacedAxes) -> float:
 # What stands on axes and about them.
 
 
-def _axes(frame: PlacedAxes, frames: Sequence[PlacedAxes], width: float) -> list[Shape]:
+def _axes(
+    frame: PlacedAxes, needs: _Needs, frames: Sequence[PlacedAxes], width: float
+) -> list[Shape]:
     """Marks by their order, with the grid and the frame between them."""
     marks = sorted(frame.axes.marks, key=attrgetter("order"))
     behind = bisect_left(marks, _GRID_ORDER, key=attrgetter("order"))
@@ -272,7 +275,7 @@ def _axes(frame: PlacedAxes, frames: Sequence[PlacedAxes], width: float) -> list
         *_frame(frame),
         *drawn_marks(marks[front:], frame),
         *_numbers(frame),
-        *_titles(frame, frames, width),
+        *_titles(frame, needs, frames, width),
     ]
 
 
@@ -341,10 +344,11 @@ def _numbers(frame: PlacedAxes) -> list[Letters]:
     return found
 
 
-def _titles(frame: PlacedAxes, frames: Sequence[PlacedAxes], width: float) -> list[Letters]:
+def _titles(
+    frame: PlacedAxes, needs: _Needs, frames: Sequence[PlacedAxes], width: float
+) -> list[Letters]:
     """Titles and names of the sides, made smaller where they are longer than their room."""
     axes, box, found = frame.axes, frame.box, []
-    needs = _needs(frame)
     beside = [_begins(own) for own in frames if own.box.left > box.right - 1.0]
     room = min([*beside, width]) - _PAD - box.left
     base = box.top - _ABOVE

@@ -108,6 +108,7 @@ _NAMED: Final = {
     "lambda": "λ", "mu": "μ", "pi": "π", "rho": "ρ", "sigma": "σ", "tau": "τ", "phi": "φ",
     "psi": "ψ", "omega": "ω", "Delta": "Δ", "times": "×", "cdot": "·", ",": "\u2009", " ": " ",
 }  # fmt: skip
+SUPERSCRIPTS: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PRIME: Final = {"'": "′"}
 
 

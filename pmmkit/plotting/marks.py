@@ -17,24 +17,42 @@ Across = Literal["left", "center", "right"]
 Upright = Literal["top", "center", "bottom", "baseline"]
 INK: Final = "#222222"
 """Of letters and of what is drawn without a colour of its own."""
-NAMELESS: Final = ""
-"""Label of what does not stand in the legend."""
+OPEN: Final = frozenset("x+|")
+"""Marks that are strokes alone."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Line:
+class Stroked:
+    """How a line looks. dash: -, --, -., : or nothing. label: empty where no legend has it."""
+
+    colour: str
+    width: float = 1.6
+    dash: str = "-"
+    label: str = ""
+    order: float = 2.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Filled:
+    """How an area looks."""
+
+    colour: str
+    alpha: float = 1.0
+    label: str = ""
+    order: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Line(Stroked):
     """A line through points, points alone, or points with intervals.
 
-    x, y (n,): NaN breaks the line. dash: -, --, -., : or nothing. marker: as matplotlib calls it;
-    every: one mark each so many points. face, edge: of marks, `colour` where empty. x_error,
+    x, y (n,): NaN breaks the line. marker: as matplotlib calls it; every: one mark each so many
+    points. face, edge: of marks, `colour` where empty. x_error,
     y_error (2, n): down and up. cap: half width of their ends.
     """
 
     x: Array
     y: Array
-    colour: str
-    width: float = 1.6
-    dash: str = "-"
     marker: str = ""
     size: float = 5.0
     face: str = ""
@@ -42,8 +60,6 @@ class Line:
     edge_width: float = 1.0
     every: int = 1
     alpha: float = 1.0
-    label: str = NAMELESS
-    order: float = 2.0
     clipped: bool = True
     x_error: Array | None = None
     y_error: Array | None = None
@@ -52,69 +68,47 @@ class Line:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Segments:
+class Segments(Stroked):
     """Straight pieces, each from (x0, y0) to (x1, y1), all (n,)."""
 
     x0: Array
     y0: Array
     x1: Array
     y1: Array
-    colour: str
-    width: float = 1.6
-    dash: str = "-"
-    label: str = NAMELESS
-    order: float = 2.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Rule:
+class Rule(Stroked):
     """A line from end to end of the axes; upright: at an abscissa."""
 
     at: float
     upright: bool
-    colour: str
-    width: float = 1.6
-    dash: str = "-"
-    label: str = NAMELESS
-    order: float = 2.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Strip:
+class Strip(Filled):
     """A band from end to end of the axes; upright: between two abscissae."""
 
     low: float
     high: float
     upright: bool
-    colour: str
-    alpha: float = 1.0
-    label: str = NAMELESS
-    order: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Area:
+class Area(Filled):
     """What lies between two curves over one abscissa, all (n,); NaN breaks it."""
 
     x: Array
     low: Array
     high: Array
-    colour: str
-    alpha: float = 1.0
-    label: str = NAMELESS
-    order: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Polygons:
+class Polygons(Filled):
     """Filled polygons (n, corners, 2)."""
 
     corners: Array
-    colour: str
-    alpha: float = 1.0
     outline: float = 0.0
-    label: str = NAMELESS
-    order: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -131,9 +125,8 @@ class BarSeries:
     sideways: bool
     colours: Sequence[str]
     hatch: str = ""
-    edge: str = ""
     alpha: float = 1.0
-    label: str = NAMELESS
+    label: str = ""
     order: float = 1.0
 
     def corners(self) -> tuple[Array, Array, Array, Array]:
@@ -198,7 +191,6 @@ class Mosaic:
     x: float = 0.0
     y: float = 0.0
     gap: float = 0.0
-    label: str = NAMELESS
     order: float = 0.0
 
 

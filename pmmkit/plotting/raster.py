@@ -20,6 +20,7 @@ from matplotlib.transforms import Affine2D, Bbox, Transform, TransformedBbox
 
 from pmmkit.numerics import Array
 from pmmkit.plotting.letters import runs_of
+from pmmkit.plotting.marks import OPEN
 from pmmkit.plotting.scene import Box, Dots, Fill, Letters, Scene, Shape, Stroke, clip_of
 from pmmkit.plotting.vector import DASHED, marker_path
 
@@ -138,7 +139,7 @@ def _artists(shape: Shape, place: Transform) -> Iterator[Any]:
                 )  # fmt: skip
         case Dots() if len(shape.points):
             rings = shape.points[:, None, :] + marker_path(shape.marker, shape.size / 2)[None]
-            stroked = shape.marker in "x+|"
+            stroked = shape.marker in OPEN
             yield PathPatch(
                 _path(list(rings), closed=not stroked), facecolor=shape.face or "none",
                 edgecolor=shape.edge, linewidth=shape.edge_width, alpha=shape.alpha,

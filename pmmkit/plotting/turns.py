@@ -14,7 +14,7 @@ from pmmkit.plotting import style
 from pmmkit.plotting.axes import Axes
 from pmmkit.plotting.bands import PALE, Band
 from pmmkit.plotting.figure import Figure
-from pmmkit.presentation import figure_text
+from pmmkit.presentation import figure_text, number
 
 if TYPE_CHECKING:
     from pmmkit.plotting.bands import TrackLike
@@ -94,9 +94,9 @@ def path_axes(axis: Axes) -> None:
 
 
 def beyond(
-    axis: Axes, value: Array, places: Array, limit: float, colour: str, *, size: float = 7
+    axis: Axes, value: Array, places: Array, limits: tuple[float, float], colour: str
 ) -> None:
-    """Values beyond an axis of -limit to limit, as arrows at its ends with their number.
+    """Values beyond the ends of an axis, as arrows there with their number.
 
     Parameters
     ----------
@@ -104,27 +104,25 @@ def beyond(
         Where.
     value, places : array (n,)
         Values, and where they stand across the axis; those inside and NaN are left out.
-    limit : float
-        End of the axis.
+    limits : (float, float)
+        Ends of the axis.
     colour : str
         Of arrows and numbers.
-    size : float
-        Of the numbers [pt].
     """
     for x, y in zip(value, places, strict=True):
-        if not abs(x) > limit:
+        right = bool(x > limits[1])
+        if not right and not x < limits[0]:
             continue
-        right = bool(x > 0)
-        end = limit if right else -limit
+        end = limits[right]
         axis.plot(end, y, marker=">" if right else "<", ms=4, color=colour, clip_on=False, zorder=4)
         axis.text(
             end,
             y,
-            f"{x:.3g}",
+            number(x, 3),
             xytext=(-6 if right else 6, 0),
             ha="right" if right else "left",
             va="center",
-            fontsize=size,
+            fontsize=7,
             color=colour,
             box=1.0,
             zorder=5,
@@ -176,8 +174,8 @@ def trajectory(
     axis = figure.subplots()
     if band is not None:
         _about(axis, band, tracks[0].L)
-    for number, (name, track) in enumerate(zip(labels, tracks, strict=True)):
-        _path(axis, track, number, name)
+    for i, (name, track) in enumerate(zip(labels, tracks, strict=True)):
+        _path(axis, track, i, name)
     _marks_told(axis)
     if len(tracks) == 1:
         _measures(axis, tracks[0], band.measures if band else {})
@@ -191,11 +189,11 @@ def turn_histories(tracks: Sequence[TrackLike], names: Sequence[str] | None = No
     labels = _labels(tracks, names)
     figure = Figure(height=5.4)
     axes = figure.subplots(2, 3, sharex=True).ravel()
-    for number, (name, track) in enumerate(zip(labels, tracks, strict=True)):
+    for i, (name, track) in enumerate(zip(labels, tracks, strict=True)):
         level = track.v * np.cos(np.nan_to_num(track.phi))
         speed = np.hypot(track.u, level)
         approach, length = track.speed, track.L
-        look = {"color": style.colour(number), "ls": style.dash(number), "label": name}
+        look = {"color": style.colour(i), "ls": style.dash(i), "label": name}
         time = track.t * approach / length
         axes[0].plot(time, speed / approach, **look)
         axes[1].plot(time, track.r * length / approach, **look)

@@ -13,6 +13,7 @@ import numpy as np
 
 from pmmkit.numerics import Array, stretches
 from pmmkit.plotting.letters import runs_of
+from pmmkit.plotting.marks import OPEN
 from pmmkit.plotting.scene import Box, Dots, Fill, Letters, Scene, Shape, Stroke, clip_of
 
 FAMILY: Final = "'DejaVu Sans', Verdana, 'Noto Sans', 'Noto Sans CJK JP', sans-serif"
@@ -128,7 +129,7 @@ def _dots(shape: Dots) -> Iterator[str]:
         return
     outline = marker_path(shape.marker, shape.size / 2)
     rings = shape.points[:, None, :] + outline[None]
-    end = "Z" if shape.face or shape.marker not in "x+|" else ""
+    end = "" if shape.marker in OPEN else "Z"
     path = "".join(_path(ring) + end for ring in rings)
     face = f'fill="{shape.face}" ' if shape.face else ""
     edge = _stroke(shape.edge, shape.edge_width) if shape.edge_width else ""

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from itertools import groupby
+from operator import attrgetter
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from pmmkit.numerics import Array
+from pmmkit.plotting.letters import SUPERSCRIPTS, runs_of
 from pmmkit.plotting.marks import BarSeries, Line, Mosaic, Rule
 
 if TYPE_CHECKING:
@@ -146,8 +149,10 @@ def plain(text: str) -> str:
     Examples
     --------
     >>> plain(r"$10^3\\,$$Y'_{\\dot{v}}$"), plain("drift with\\nrudder")
-    ("10³ Y'_v-dot", 'drift with rudder')
+    ('10³ Y′_v-dot', 'drift with rudder')
     """
-    text = re.sub(r"\\dot\{(.*?)\}", r"\1-dot", text)
-    text = text.replace("^3", "³").replace("\\times", " ×").replace("\\,", " ").replace("\\", "")
-    return " ".join(re.sub(r"[${}]", "", text).split())
+    told = ""
+    for rise, runs in groupby(runs_of(text), key=attrgetter("rise")):
+        own = "".join(run.text for run in runs)
+        told += own.translate(SUPERSCRIPTS) if rise > 0.0 else f"_{own}" if rise < 0.0 else own
+    return " ".join(re.sub("(.)\u0307", r"\1-dot", told).split())

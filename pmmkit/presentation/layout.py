@@ -219,28 +219,32 @@ class Grid:
 
 @dataclass(frozen=True, kw_only=True)
 class Picture:
-    """A figure as SVG text, with what it shows in words.
+    """A figure with its caption, and with what it shows in words.
 
     Parameters
     ----------
-    svg, caption : str
-        The figure, and the line below it.
+    figure : Figure
+        Of `pmmkit.plotting`.
+    caption : str
+        The line below it.
     narrow : bool
         Whether it needs but half of the width.
     alt : str
         What is seen, in words, for those who do not see it.
     file : str
         Name without ending of the file in which it stands beside the page too; empty for none.
-    figure : Figure, optional
-        What it was drawn from, of `pmmkit.plotting`, for documents that take no SVG.
     """
 
-    svg: str
+    figure: Any = field(repr=False, compare=False)
     caption: str
     narrow: bool = False
     alt: str = ""
     file: str = ""
-    figure: Any = field(default=None, repr=False, compare=False)
+
+    @property
+    def svg(self) -> str:
+        """The figure as an ``<svg>`` element."""
+        return str(self.figure.svg(self.alt))
 
 
 @dataclass(frozen=True, kw_only=True)

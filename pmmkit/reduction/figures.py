@@ -48,7 +48,6 @@ def stacked_shares(
                 height=0.72,
                 color=colour(number) if number < TOLD_APART else REFERENCE,
                 hatch=hatch(number, rounds=True),
-                edgecolor="white",
                 label=figure_text(label),
             )
             right = right + np.maximum(share, 0.0)

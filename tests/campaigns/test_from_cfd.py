@@ -58,7 +58,7 @@ def drafted(solver: str, folder: Path) -> Path:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", ["openfoam", "star"])
-def test_a_start_up_and_a_restart_leave_the_truth(solver, tmp_path, undrawn):
+def test_a_start_up_and_a_restart_leave_the_truth(solver, tmp_path):
     draft = drafted(solver, tmp_path)
     draft.write_text(filled_in(draft.read_text(encoding="utf-8"), solver), encoding="utf-8")
     assert run("check", tmp_path) == 0

@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 from commands import rows_of, said
 from pages import answers_in, texts_in
-from pictures import without_pictures
 from small_campaign import TRUTH, write_campaign
 
 import pmmkit
@@ -63,7 +62,7 @@ def test_reduce_finds_the_derivatives_that_made_the_forces(reduced):
 
 @pytest.mark.slow
 def test_a_model_that_cannot_turn_is_no_reason_to_lose_the_table(
-    campaign, tmp_path, monkeypatch, capsys, undrawn
+    campaign, tmp_path, monkeypatch, capsys
 ):
     def diverges(*_, **__):
         raise SimulationError("it grows without bound")
@@ -95,7 +94,7 @@ def test_every_way_to_a_derivative_is_listed(reduced):
 
 
 @pytest.mark.slow
-def test_a_pooled_table_has_no_froude_number(campaign, tmp_path, undrawn):
+def test_a_pooled_table_has_no_froude_number(campaign, tmp_path):
     assert main(["reduce", str(campaign), "--fn", "pooled", "--out", str(tmp_path / "p")]) == 0
     rows = rows_of(tmp_path / "p" / "derivatives.csv")
     assert {row["Fn"] for row in rows} == {""}
@@ -112,11 +111,7 @@ def bare(tmp_path_factory):
     toml, out = folder / "campaign.toml", folder.with_name("reduced")
     text = toml.read_text(encoding="utf-8")
     toml.write_text(text.replace("Small S175 programme", ODD), encoding="utf-8")
-    with (
-        without_pictures(),
-        redirect_stdout(StringIO()) as result,
-        redirect_stderr(StringIO()) as words,
-    ):
+    with redirect_stdout(StringIO()) as result, redirect_stderr(StringIO()) as words:
         status = main(["reduce", str(folder), "--json", "--out", str(out)])
     return status, json.loads(result.getvalue()), words.getvalue(), out
 
@@ -433,9 +428,7 @@ def test_the_installed_command_hands_its_status_on():
         pytest.param("SIGTERM", marks=pytest.mark.skipif(os.name == "nt", reason="no SIGTERM")),
     ],
 )
-def test_a_stopped_command_leaves_nothing_behind(
-    stop, campaign, tmp_path, monkeypatch, capsys, undrawn
-):
+def test_a_stopped_command_leaves_nothing_behind(stop, campaign, tmp_path, monkeypatch, capsys):
     def interrupted(*_, **__):
         if stop is KeyboardInterrupt:
             raise KeyboardInterrupt

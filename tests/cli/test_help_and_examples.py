@@ -86,7 +86,7 @@ def desk(tmp_path_factory):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in NAMES if name != DEMO])
-def test_the_example_of_a_command_runs_as_it_is_typed(name, desk, monkeypatch, capsys, undrawn):
+def test_the_example_of_a_command_runs_as_it_is_typed(name, desk, monkeypatch, capsys):
     monkeypatch.chdir(desk)
     program, command, *arguments = shlex.split(example_of(name))
     assert (program, command) == ("pmmkit", name.replace("_", "-"))

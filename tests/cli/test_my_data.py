@@ -13,8 +13,6 @@ from scripts.datasets.strangers.hulls import TANKER, turn
 from scripts.studies.strangers import filled, particulars
 from tests.support.commands import said
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):

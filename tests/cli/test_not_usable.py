@@ -40,7 +40,7 @@ def pushed(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_not_usable_ends_with_three_a_table_a_report_and_no_model(odd, tmp_path, capsys, undrawn):
+def test_not_usable_ends_with_three_a_table_a_report_and_no_model(odd, tmp_path, capsys):
     status, told, words = said(capsys, "reduce", odd, "--out", tmp_path / "r")
     assert status == 3
     assert told["verdict"]["use"] == "not usable"
@@ -56,7 +56,7 @@ def test_not_usable_ends_with_three_a_table_a_report_and_no_model(odd, tmp_path,
 
 
 @pytest.mark.slow
-def test_by_force_there_is_a_model_that_every_command_marks(odd, tmp_path, capsys, undrawn):
+def test_by_force_there_is_a_model_that_every_command_marks(odd, tmp_path, capsys):
     out, model = tmp_path / "r", tmp_path / "r" / "model.toml"
     parts = ("--parts", "s175-3dof")
     status, told, _ = said(capsys, "reduce", odd, *parts, "--force", "--out", out)
@@ -90,7 +90,7 @@ def test_by_force_there_is_a_model_that_every_command_marks(odd, tmp_path, capsy
 
 
 @pytest.mark.slow
-def test_the_test_report_ends_so_too(odd, tmp_path, capsys, undrawn):
+def test_the_test_report_ends_so_too(odd, tmp_path, capsys):
     status, told, words = said(capsys, "report", odd, "-o", tmp_path / "r.html")
     assert (status, told["verdict"]["use"]) == (3, "not usable")
     assert "Verdict: not usable." in words
@@ -106,7 +106,7 @@ def test_a_budget_of_a_manoeuvre_needs_force(odd, tmp_path, capsys):
 
 @pytest.mark.slow
 def test_a_ship_that_propelled_herself_turns_with_a_resistance_that_is_estimated(
-    pushed, tmp_path, capsys, undrawn
+    pushed, tmp_path, capsys
 ):
     status, told, _ = said(capsys, "reduce", pushed, "--out", tmp_path / "r")
     assert status == 0
@@ -124,9 +124,7 @@ def feeble(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_a_ship_that_no_propeller_holds_costs_the_turn_and_nothing_else(
-    feeble, tmp_path, capsys, undrawn
-):
+def test_a_ship_that_no_propeller_holds_costs_the_turn_and_nothing_else(feeble, tmp_path, capsys):
     folder = write_campaign(tmp_path / "tests")
     status, told, words = said(capsys, "reduce", folder, "--parts", feeble, "--out", tmp_path / "r")
     assert status == 0
@@ -136,7 +134,7 @@ def test_a_ship_that_no_propeller_holds_costs_the_turn_and_nothing_else(
 
 
 @pytest.mark.slow
-def test_the_way_of_my_data_ends_with_its_results_too(odd, pushed, tmp_path, capsys, undrawn):
+def test_the_way_of_my_data_ends_with_its_results_too(odd, pushed, tmp_path, capsys):
     status, told, words = said(capsys, "demo", "--my-data", odd, "--out", tmp_path / "odd")
     assert status == 3
     assert "not usable" in told["stopped"]
@@ -149,7 +147,7 @@ def test_the_way_of_my_data_ends_with_its_results_too(odd, pushed, tmp_path, cap
 
 
 @pytest.mark.slow
-def test_what_fails_after_the_model_keeps_the_model(tmp_path, capsys, undrawn, monkeypatch):
+def test_what_fails_after_the_model_keeps_the_model(tmp_path, capsys, monkeypatch):
     """Of my data too: a band that cannot be told costs the band."""
     folder = write_campaign(tmp_path / "tests")
 

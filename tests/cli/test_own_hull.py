@@ -51,7 +51,7 @@ def test_the_tests_of_hmri_alone_turn_the_kvlcc2(hmri):
 
 @pytest.mark.slow
 def test_one_laboratorys_tests_against_anothers_zigzags_by_five_commands(
-    hmri, shared_data, datasets, tmp_path, capsys, monkeypatch, undrawn
+    hmri, shared_data, datasets, tmp_path, capsys, monkeypatch
 ):
     """HMRI's captive tests, HSVA's thirteen zigzags; nothing is tuned to them. A script with the
     published rudder differs by 1.8°, 3.4°, 3.2° rms in the overshoots (docs/cases.md)."""

@@ -53,9 +53,7 @@ def test_all_methods_stand_side_by_side(campaign, tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_the_table_and_the_model_are_of_the_method_that_was_asked_for(
-    campaign, tmp_path, capsys, undrawn
-):
+def test_the_table_and_the_model_are_of_the_method_that_was_asked_for(campaign, tmp_path, capsys):
     out = tmp_path / "harmonics"
     arguments = ["--method", "harmonics", "--fourier", "trapezoid", "--cycles", "1"]
     assert main(["reduce", str(campaign), *arguments, "--out", str(out)]) == 0

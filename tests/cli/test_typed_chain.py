@@ -93,7 +93,7 @@ def write_zigzags(folder: Path, ship: pk.Model, speed: float, dt: float = 0.3) -
 
 
 @pytest.mark.slow
-def test_the_chain_on_a_ship_that_is_known(tmp_path, capsys, monkeypatch, undrawn):
+def test_the_chain_on_a_ship_that_is_known(tmp_path, capsys, monkeypatch):
     """Captive tests of a model of 4.9 m; zigzags of one of 3 m that pulls to a side, with a smaller
     propeller. What is typed finds the pull, and the turn comes nearer to that of the truth."""
     monkeypatch.chdir(tmp_path)
@@ -224,7 +224,7 @@ def test_forces_of_heel_lead_a_model_without_roll_to_the_command_that_gives_it(t
 
 @pytest.mark.slow
 def test_the_chain_of_the_documentation_on_real_measurements(
-    hmri, shared_data, datasets, tmp_path, capsys, monkeypatch, undrawn
+    hmri, shared_data, datasets, tmp_path, capsys, monkeypatch
 ):
     """HMRI's captive tests and HSVA's zigzags (docs/cases.md): every second zigzag is
     fitted, the others are predicted over 80 s. A script said 26.1° for the captive model."""
@@ -259,7 +259,7 @@ def test_the_chain_of_the_documentation_on_real_measurements(
 
 @pytest.mark.slow
 def test_the_commands_of_the_next_ship_run(
-    hmri, shared_data, datasets, tmp_path, capsys, monkeypatch, undrawn
+    hmri, shared_data, datasets, tmp_path, capsys, monkeypatch
 ):
     """Those of docs/case_next_ship.md in their order, with two effects and few ships: two campaigns
     predict what was held out of the zigzags far better than captive tests alone."""

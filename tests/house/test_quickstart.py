@@ -37,9 +37,7 @@ def write(file, lines):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda text: text.partition("\n")[0])
-def test_the_commands_lead_from_the_files_to_a_turn(
-    section, tmp_path, monkeypatch, capsys, undrawn
-):
+def test_the_commands_lead_from_the_files_to_a_turn(section, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(
         "pmmkit.simulation.bands.Bands.SHIPS", 8
     )  # of those drawn: each kept in full

@@ -10,7 +10,6 @@ import json
 
 import numpy as np
 import pytest
-from pictures import without_pictures
 
 from pmmkit.campaigns import open_campaign
 from pmmkit.cli import main
@@ -80,8 +79,7 @@ def test_nothing_sound_is_accused(stated, capsys):
 
 
 def test_the_derivatives_hold_the_truth(stated, tmp_path):
-    with without_pictures():
-        assert main(["reduce", str(stated), "--out", str(tmp_path / "reduced"), "-q"]) == 0
+    assert main(["reduce", str(stated), "--out", str(tmp_path / "reduced"), "-q"]) == 0
     inside, missed, _ = held(TANKER, tmp_path / "reduced" / "derivatives.csv")
     assert (inside + len(missed), len(missed) <= OUTSIDE) == (16, True), missed
 

@@ -152,6 +152,19 @@ def test_no_text_covers_another_or_leaves_the_figure():
         assert box.bottom <= scene.height + 0.5, text
 
 
+@given(st.floats(-100.0, 100.0), st.floats(0.1, 100.0), st.floats(2.5, 9.0))
+@settings(max_examples=100, deadline=None)
+def test_numbers_of_an_abscissa_stand_apart(low, span, width):
+    figure = Figure(height=2.0, width=width)
+    axis = figure.subplots()
+    axis.set_xlim(low, low + span)
+    axis.set_yticks([])
+    boxes = [own.box for own in laid_out(figure).letters]
+    assert len(boxes) > 1
+    for one, other in itertools.pairwise(boxes):
+        assert one.right + 4.0 < other.left
+
+
 def test_axes_of_a_column_begin_and_end_alike():
     scene = laid_out(crowded())
     for column in range(3):
@@ -249,6 +262,25 @@ def test_values_that_cannot_be_shown_do_no_harm(value, scale):
     assert not re.search(r'="[^"]*(nan|inf)', text.split("<rect", 1)[1])
 
 
+@pytest.mark.parametrize(
+    "draw",
+    [
+        lambda axis, **look: axis.plot([0, 1], [0, 1], **look),
+        lambda axis, **look: axis.hlines(0.0, 0.0, 1.0, **look),
+        lambda axis, **look: axis.axvline(0.0, **look),
+        lambda axis, **look: axis.axhspan(0.0, 1.0, **look),
+        lambda axis, **look: axis.fill_between([0, 1], 0.0, 1.0, **look),
+        lambda axis, **look: axis.bar([0, 1], [0, 1], **look),
+    ],
+)
+def test_no_word_of_how_a_mark_looks_is_passed_over(draw):
+    axis = Figure().subplots()
+    for wrong in ({"linewidth": 2.0}, {"colour": INK}, {"markeredgewidths": 1.0}):
+        with pytest.raises(TypeError, match=f"has no {next(iter(wrong))}"):
+            draw(axis, color=INK, **wrong)
+    assert not axis.marks
+
+
 def test_axes_of_one_side_have_the_same_ends_and_ticks():
     figure = Figure()
     grid = figure.subplots(1, 3, sharey=True)
@@ -256,17 +288,17 @@ def test_axes_of_one_side_have_the_same_ends_and_ticks():
         axis.plot([0, 1], [0, number], color=INK)
         axis.set_ylim(0.0, float(number))
     grid[0].set_yticks([0.0, 3.0], ["none", "all"])
-    frames = figure.laid_out().frames
+    frames = laid_out(figure).frames
     assert {frame.y for frame in frames} == {(0.0, 3.0)}
     assert {frame.yticks.at for frame in frames} == {(0.0, 3.0)}
-    assert [own.text for own in figure.laid_out().letters].count("all") == 1
+    assert [own.text for own in laid_out(figure).letters].count("all") == 1
 
 
 def test_polygons_that_turn_against_each_other_leave_no_hole():
     square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
     figure = Figure(height=3.0, width=3.0)
     figure.subplots().polygons(np.stack([square, square[::-1] + 1.0]), color=INK)
-    (fill,) = (shape for shape in figure.laid_out().shapes if isinstance(shape, Fill))
+    (fill,) = (shape for shape in laid_out(figure).shapes if isinstance(shape, Fill))
     edges = [np.diff(ring, axis=0, append=ring[:1]) for ring in fill.rings]
     turns = [x * np.roll(y, -1) - y * np.roll(x, -1) for x, y in (edge.T for edge in edges)]
     assert len({bool(np.all(turn > 0)) for turn in turns}) == 1

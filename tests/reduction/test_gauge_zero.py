@@ -130,7 +130,7 @@ def test_a_hull_that_changes_with_speed_is_not_a_zero_of_the_gauge(datasets):
 
 
 @pytest.mark.slow
-def test_the_console_mentions_both(resting, tmp_path, capsys, undrawn):
+def test_the_console_mentions_both(resting, tmp_path, capsys):
     from pmmkit.cli import main
 
     assert main(["reduce", str(resting), "--fn", "pooled", "--out", str(tmp_path / "out")]) == 0

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from pictures import without_pictures
 
 import pmmkit as pk
 from pmmkit import save_campaign
@@ -50,8 +49,7 @@ def reduced(drift):
 
 @pytest.fixture(scope="module")
 def told(reduced):
-    with without_pictures():
-        yield captive_document(reduced)
+    return captive_document(reduced)
 
 
 @pytest.fixture
@@ -140,7 +138,7 @@ def test_what_the_campaign_does_not_say_is_printed_and_listed_with_its_key(told)
 
 
 @pytest.mark.slow
-def test_what_is_supplied_stands_in_the_report_and_leaves_the_list(reduced, undrawn):
+def test_what_is_supplied_stands_in_the_report_and_leaves_the_list(reduced):
     report = {"customer": "A yard", "scale": 36.0, "authors": ["A", "B"], "propeller_fitted": "no"}
     gauge = {"gauges": {"Y1": {"capacity": "500 N", "calibrated": "2026-05-04"}}}
     first, second, *others = reduced.campaign.runs
@@ -265,7 +263,7 @@ def test_the_command_names_the_standards_and_formats_that_there_are():
 
 
 @pytest.mark.slow
-def test_a_report_is_written_by_one_command(drift, tmp_path, capsys, undrawn):
+def test_a_report_is_written_by_one_command(drift, tmp_path, capsys):
     save_campaign(drift.with_(title="Drift"), tmp_path / "drift.h5")
     file = tmp_path / "out.html"
     asked = ["report", str(tmp_path / "drift.h5"), "--workers", "1", "--json", "-o", str(file)]

@@ -10,7 +10,7 @@ from dataclasses import replace
 import matplotlib as mpl
 import numpy as np
 import pytest
-from scenes import overlap
+from scenes import collisions, overlap
 from small_campaign import RHO, TRUTH, L, forces, write_campaign
 
 import pmmkit
@@ -173,6 +173,7 @@ def test_what_lies_outside_the_axis_is_marked_with_its_number(table):
     figure = beside_reference(table, odd)
     texts = [text.text for axis in figure.axes for text in axis.words]
     assert {"50", "55", "60"} <= set(texts)
+    assert collisions(figure) == []
 
 
 def test_nothing_in_common_is_refused(table):

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pmmkit.plotting import Figure
 from pmmkit.presentation import Grid, Group, Picture, Section, Symbol, aligned, text_of
 from pmmkit.views.pages.sections import told_page
 from pmmkit.views.report.captive.build import html_of
@@ -37,7 +38,7 @@ SECTION = Section(
             caption="All values times 10³.",
         )
     ],
-    figures=[Picture(svg="<svg/>", caption="Values over the speed.", alt="Four lines.")],
+    figures=[Picture(figure=Figure(), caption="Values over the speed.", alt="Four lines.")],
 )
 TOLD = (
     *("Derivatives", "Cycles < 3 & more were left out.", "One run says little."),

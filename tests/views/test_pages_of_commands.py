@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import pytest
 from hidden_effects import hidden_campaign
@@ -68,6 +69,11 @@ def test_a_page_lets_nothing_run_or_load_but_its_own(compared):
     assert "</script><b>" not in text
 
 
+def of_size(size):
+    """A figure of so many letters."""
+    return SimpleNamespace(svg=lambda _: f"<svg>{'x' * size}</svg>")
+
+
 def big(runs):
     """Answers with a map of so many runs, and pictures of three sizes."""
     cells = {"Y": {"error": 1.2345, "measured": 12.345, "uncertainty": 0.12345, "within": False}}
@@ -76,7 +82,7 @@ def big(runs):
         for i in range(runs)
     ]
     figures = [
-        Picture(svg=f"<svg>{'x' * size}</svg>", caption=f"{size}", file="large" * (size > 1e6))
+        Picture(figure=of_size(size), caption=f"{size}", file="large" * (size > 1e6))
         for size in (1000, 600_000, 1_500_000)
     ]
     return {

@@ -386,7 +386,7 @@ def test_what_is_seen_is_what_was_drawn(table):
     assert told.startswith("6 panels. Speed over approach speed U / U₀ [-] over time t U₀ / L [-]")
     assert f"{np.degrees(track.delta).min():.3g} to 35" in told.split("Rudder")[1]
     told = forest({"all": table, "half": table.with_(value=1.01 * table.value)}).in_words()
-    assert f"{len(table.names)} rows, X'_u-dot to" in told
+    assert f"{len(table.names)} rows, X′_u-dot to" in told
     assert "half, 95 % −0.255 to 0.255" in told
 
 

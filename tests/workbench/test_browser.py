@@ -6,6 +6,7 @@ import importlib.resources
 import importlib.util
 import json
 import shlex
+from types import SimpleNamespace
 
 import pytest
 from asgi import Browser
@@ -321,12 +322,13 @@ def test_what_is_told_is_shown_as_text_and_pictures_that_run_nothing(page, tmp_p
     evil = "<img src=x onerror=\"document.title='run'\">"
     drawing = '<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20">{}</svg>'
     script = drawing.format("<script>document.title = 'run'</script><rect width='9' height='9'/>")
+    drawn, empty = (SimpleNamespace(svg=lambda _, text=text: text) for text in (script, ""))
     section = Section(
         title=evil,
         paragraphs=[evil],
         findings=[{"severity": "warning", "check": evil, "message": evil}],
         tables=[Grid(head=["", evil], groups=[Group(rows=[[Symbol("N′", "vvr"), None]])])],
-        figures=[Picture(svg=script, caption="drawn"), Picture(svg="", caption="no room")],
+        figures=[Picture(figure=drawn, caption="drawn"), Picture(figure=empty, caption="no room")],
     )
     answers = {
         "state": state_of(title="Told", kind="captive", runs=1, model=""),

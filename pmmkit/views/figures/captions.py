@@ -16,6 +16,4 @@ def drawn(
 ) -> Picture:
     """A figure with its caption, and an alternative text from what it holds."""
     alt = " ".join([*facts, figure.in_words()]) or caption
-    return Picture(
-        svg=figure.svg(), caption=caption, narrow=narrow, alt=alt, file=file, figure=figure
-    )
+    return Picture(figure=figure, caption=caption, narrow=narrow, alt=alt, file=file)

@@ -47,7 +47,6 @@ def errors_and_uncertainties(bars: Mapping[str, Sequence[tuple[str, float, float
                 height=0.66,
                 color="#c9cdd3" if within else colour(0),
                 hatch=hatch(1) if within else "",
-                edgecolor="white",
                 label=label,
             )
         axis.errorbar(

@@ -13,8 +13,18 @@ from pmmkit.base import TableError
 from pmmkit.conventions import CHANNELS, Convention, parse_derivative
 from pmmkit.models import DerivativeTable, alike, compare
 from pmmkit.numerics import Array
-from pmmkit.plotting import INK, RED_BLUE, REFERENCE, Axes, Figure, Shades, colour, hatch, marker
-from pmmkit.plotting import colour as colour_style
+from pmmkit.plotting import (
+    INK,
+    RED_BLUE,
+    REFERENCE,
+    Axes,
+    Figure,
+    Shades,
+    beyond,
+    colour,
+    hatch,
+    marker,
+)
 from pmmkit.presentation import counted, figure_text
 from pmmkit.reduction import Growth
 
@@ -163,7 +173,6 @@ def _bars(
         yerr=np.nan_to_num(np.abs([value - low, high - value])),
         color=colour(number),
         hatch=hatch(number) if number else "",
-        edgecolor="white",
         label=label,
     )
 
@@ -402,7 +411,7 @@ def beside_reference(
         group = [name for name in shown if name[0] == channel]
         columns = [table.index(name) for name in group]
         for row in range(sets):
-            place = np.arange(len(group)) + 0.22 * (row - (sets - 1) / 2)
+            place = np.arange(len(group)) + 0.8 / sets * (row - (sets - 1) / 2)
             label = "all speeds" if table.pooled else f"Fn {table.Fn[row]:.3f}"
             _dots(axis, ratio[row, columns], ends[:, row, columns], place, row, label, limits)
         for gap in np.flatnonzero(np.all(np.isnan(ratio[:, columns]), axis=0)):
@@ -446,25 +455,11 @@ def _dots(
     label: str,
     limits: tuple[float, float],
 ) -> None:
-    colour = colour_style(number)
-    axis.hlines(place, ends[0].clip(*limits), ends[1].clip(*limits), color=colour, lw=1.6)
+    shade = colour(number)
+    axis.hlines(place, ends[0].clip(*limits), ends[1].clip(*limits), color=shade, lw=1.6)
     inside = (ratio >= limits[0]) & (ratio <= limits[1])
-    axis.plot(ratio[inside], place[inside], ls="", marker=marker(number), color=colour, label=label)
-    for value, height in zip(ratio[~inside], place[~inside], strict=True):
-        if np.isnan(value):
-            continue
-        right = bool(value > limits[1])
-        axis.plot(limits[right], height, marker=">" if right else "<", color=colour, clip_on=False)
-        axis.text(
-            limits[right],
-            height,
-            f"{value:.3g}",
-            xytext=(-8 if right else 8, 0),
-            ha="right" if right else "left",
-            va="center",
-            fontsize=8,
-            color=colour,
-        )
+    axis.plot(ratio[inside], place[inside], ls="", marker=marker(number), color=shade, label=label)
+    beyond(axis, ratio, place, limits, shade)
 
 
 def _limits(ends: np.ndarray) -> tuple[float, float]:

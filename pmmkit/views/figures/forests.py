@@ -204,7 +204,7 @@ def _bars(
         label=f"{label}, 95 %",
         zorder=3,
     )
-    beyond(axis, value, places, _LIMIT, colour)
+    beyond(axis, value, places, (-_LIMIT, _LIMIT), colour)
 
 
 def _crosses(axis: Axes, value: Array, places: Array, label: str) -> None:
@@ -212,4 +212,4 @@ def _crosses(axis: Axes, value: Array, places: Array, label: str) -> None:
     axis.plot(
         value[inside], places[inside], ls="", marker="x", ms=5, color=INK, label=label, zorder=4
     )
-    beyond(axis, value, places, _LIMIT, INK)
+    beyond(axis, value, places, (-_LIMIT, _LIMIT), INK)

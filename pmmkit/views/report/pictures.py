@@ -254,7 +254,7 @@ def cycles_at_speeds(reduction: Reduction) -> dict[str, list[CycleForces]]:
         if several:
             best = max(several, key=lambda motion: (len(several[motion]), motion))
             speeds = several[best]
-            found[f"{kind.title}, ω' {best[-1]:g}"] = [
+            found[f"{kind.title}, ω′ {best[-1]:g}"] = [
                 _non_dimensional(speeds[froude], reduction.table) for froude in sorted(speeds)
             ]
     return found

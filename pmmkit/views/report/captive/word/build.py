@@ -230,16 +230,15 @@ def _table(sheet: _Sheet, table: Grid) -> None:
 def _figure(sheet: _Sheet, figure: Picture) -> None:
     from docx.shared import Cm
 
-    if figure.figure is not None:
-        lay(sheet.file, across=False)
-        across, along = inside(sheet.file)
-        shape = figure.figure.width / figure.figure.height
-        width = min(across * (NARROW if figure.narrow else 1.0), HIGHEST * along * shape)
-        place = sheet.file.add_paragraph()
-        place.paragraph_format.keep_with_next = True
-        png = io.BytesIO(figure.figure.png(DOTS))
-        placed = place.add_run().add_picture(png, width=Cm(width))
-        placed._inline.docPr.set("descr", printable(figure.alt))
+    lay(sheet.file, across=False)
+    across, along = inside(sheet.file)
+    shape = figure.figure.width / figure.figure.height
+    width = min(across * (NARROW if figure.narrow else 1.0), HIGHEST * along * shape)
+    place = sheet.file.add_paragraph()
+    place.paragraph_format.keep_with_next = True
+    png = io.BytesIO(figure.figure.png(DOTS))
+    placed = place.add_run().add_picture(png, width=Cm(width))
+    placed._inline.docPr.set("descr", printable(figure.alt))
     _caption(sheet, "Figure", figure.caption)
 
 
