@@ -261,6 +261,8 @@ class Cells:
         Rows that are not well formed; they are not among `rows`.
     notes : tuple of str
         What was left out or found out.
+    above : tuple of str
+        What stands above the headers of a sheet: names and what is stated of them, a line each.
     """
 
     headers: tuple[str, ...]
@@ -269,6 +271,7 @@ class Cells:
     decimal: str = "."
     problems: tuple[Problem, ...] = ()
     notes: tuple[str, ...] = ()
+    above: tuple[str, ...] = ()
 
     def number_at(self, index: int, place: int) -> tuple[float | None, str | None]:
         """The number of a cell as `to_number` gives it, and what is wrong with it, or None."""
