@@ -106,6 +106,11 @@ _FACTORS: Final = {
 
 def module_text(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> str:
     """Python text of the equations of a structure, followed by the engine."""
+    return "\n".join((*module_parts(structure, files), ""))
+
+
+def module_parts(structure: EquationStructure, files: tuple[str, ...]) -> tuple[str, str]:
+    """The text of a module in two parts: that of functions of lists, and that of arrays."""
     lines = ["import math", "from math import atan2, cos, fabs, sin, sqrt"]
     for item in structure.used:
         lines += [*_taken_in(item), f"effect_{item.effect} = plain_{item.effect}"]
@@ -126,19 +131,17 @@ def module_text(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -
         *(_rates_of_lanes(structure) if files == SAILING else []),
         "",
         _functions(tuple(name for name in files if name not in OF_ARRAYS)),
-        _functions(tuple(name for name in files if name in OF_ARRAYS)),
     ]
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines), _functions(tuple(name for name in files if name in OF_ARRAYS))
 
 
-def entries_text(text: str, files: tuple[str, ...]) -> str:
-    """What numba compiles of the text of a module: numbers, entries, functions that take arrays.
+def entries_text(text: str, arrays: str) -> str:
+    """What numba compiles of the parts of a module: numbers, entries, functions that take arrays.
 
     Entries hand over to the functions of lists as `pmmkit.equations.machine_code.written`.
     """
-    arrays = _functions(tuple(name for name in files if name in OF_ARRAYS))
     lines = ["import math", "", *_NUMBER.findall(text), ""]
-    for name, given in _HEAD.findall(text.removesuffix(f"{arrays}\n")):
+    for name, given in _HEAD.findall(text):
         if name in ENTRIES:
             lines += [
                 f"written_{name} = written({name!r})",

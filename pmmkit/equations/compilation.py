@@ -18,7 +18,7 @@ import numpy as np
 from pmmkit.base import __version__
 from pmmkit.effects import rebound
 from pmmkit.equations import lane_functions, stand_ins
-from pmmkit.equations.code_generation import ENGINE, entries_text, module_text
+from pmmkit.equations.code_generation import ENGINE, entries_text, module_parts, module_text
 from pmmkit.equations.structure import EquationStructure
 from pmmkit.files import atomic_path, cache_folder
 from pmmkit.syntax import Function, LlvmProgram, Unwritable, functions
@@ -45,13 +45,13 @@ def compiled(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> M
         from pmmkit.equations import compiled_cache, machine_code
     except ImportError as error:
         return _on_arrays(structure, files, f"{error}. Install numba.")
-    whole, name = _text_and_name(structure, files)
+    name = _name(structure, files)
     if vars(numba.config)["DISABLE_JIT"]:
         # Numba runs everything as Python where it is told not to compile.
         module = _plain(structure, files, vector=np.zeros)
         module.__name__ = name
         return module
-    text = _HEAD + entries_text(whole, files)
+    text = _HEAD + entries_text(*module_parts(structure, files))
     entry, place = compiled_cache.kept, name
     try:
         path = _folder() / f"{name}.py"
@@ -94,13 +94,13 @@ def _unwritable(structure: EquationStructure, files: tuple[str, ...]) -> str:
 @cache
 def is_compiled(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> bool:
     """Whether a session before compiled a manoeuvre of a structure, and left it on the disk."""
-    _, name = _text_and_name(structure, files)
+    name = _name(structure, files)
     return any((cache_folder() / f"v{__version__}").glob(f"{name}.run-*.nbi"))
 
 
 def is_loaded(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> bool:
     """Whether this session has compiled a manoeuvre of a structure, or fetched it from the disk."""
-    module = sys.modules.get(_text_and_name(structure, files)[1])
+    module = sys.modules.get(_name(structure, files))
     return bool(module and getattr(module.run, "signatures", ()))
 
 
@@ -117,9 +117,8 @@ def _source(
 
 
 @cache
-def _text_and_name(structure: EquationStructure, files: tuple[str, ...]) -> tuple[str, str]:
-    text = module_text(structure, files)
-    return text, f"pmmkit_equations_{_fingerprint(structure, text)}"
+def _name(structure: EquationStructure, files: tuple[str, ...]) -> str:
+    return f"pmmkit_equations_{_fingerprint(structure, module_text(structure, files))}"
 
 
 def _plain(structure: EquationStructure, files: tuple[str, ...], **given: Any) -> ModuleType:

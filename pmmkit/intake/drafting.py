@@ -17,7 +17,7 @@ from pmmkit.campaigns import TEST_KINDS, CampaignFile, campaign_of
 from pmmkit.files import CAMPAIGN, toml_string
 from pmmkit.intake.drafts.columns import ColumnChoice, signed, their_column, with_choices
 from pmmkit.intake.drafts.propose import campaign_draft
-from pmmkit.intake.drafts.questions import questions_of, with_answer
+from pmmkit.intake.drafts.questions import questions_of, with_answer, with_density
 from pmmkit.intake.drafts.write import written
 from pmmkit.intake.folder import MOST_COUNTED, Look, look
 from pmmkit.intake.guessing import Suggestion
@@ -97,6 +97,7 @@ class DraftAnswers:
         for item in asks:
             if said.get(item.name, "").strip():
                 text = with_answer(text, [item.line], said[item.name])
+        text = with_density(text)
         left = {item.name: item.state for item in _fields(text)}
         asks = tuple(
             replace(

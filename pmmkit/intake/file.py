@@ -504,7 +504,8 @@ def _sheet(look: FileLook, count: int, numbers: bool) -> FileLook:
     numeric = [cells.mostly_numbers(place, _TOP) for place in range(len(cells.headers))]
     if sum(numeric) < 2:
         return _with_problem(look, "the sheet has no rows of numbers in columns.")
-    look = judged(replace(look, columns=_columns(cells.headers, ("",) * len(numeric), numeric)), {})
+    columns = _columns(cells.headers, ("",) * len(numeric), numeric)
+    look = judged(replace(look, columns=columns, above=cells.above), {})
     if look.kind == "table":
         blocks = blocks_of(cells, look.columns)
         options = replace(look.options, last_row=blocks.last_row)

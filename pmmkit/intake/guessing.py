@@ -205,9 +205,10 @@ def _by_name(
     own = _SUFFIX_UNITS.get(words[-1]) if unit is None and len(words) > 1 else None
     folded = " ".join(words[:-1] if own else words).lower()
     unit = unit or own
+    elsewhere = _of_a_part(header)
     for name, pattern in (*(RUN_SETTINGS.derived(_table_names) if table else ()), *_NAMES):
         found = pattern.fullmatch(folded) or pattern.search(folded)
-        if not found or not _fits(name, unit, table=table) or _of_a_part(name, header):
+        if not found or name in elsewhere or not _fits(name, unit, table=table):
             continue
         whole = found[0] == folded
         if len(found[0]) == 1 and not whole:
@@ -241,11 +242,11 @@ def _in_other_words(header: str, unit: str | None, *, table: bool) -> Suggestion
     return None
 
 
-def _of_a_part(name: str, header: str) -> bool:
-    """Whether a force or a moment is that of something else: about a rudder's stock there is no
+def _of_a_part(header: str) -> set[str]:
+    """Forces and moments that a header has of something else: about a rudder's stock there is no
     yaw, and a fan is no propeller."""
-    others = _PARTS if name in _OF_HULL else _FAN if name in ("T", "Q") else None
-    return others is not None and bool(others.search(header.replace("_", " ").lower()))
+    folded = header.replace("_", " ").lower()
+    return {*("XYNK" if _PARTS.search(folded) else ""), *("TQ" if _FAN.search(folded) else "")}
 
 
 def _known(name: str, *, table: bool) -> bool:
@@ -263,7 +264,7 @@ def _by_unit(header: str, unit: str | None, known: set[str]) -> Suggestion | Non
         return None
     named = {("N", "x"): "X", ("N", "y"): "Y", ("N m", "z"): "N", ("N m", "x"): "K"}
     name = named.get((dimension, axis[1].lower()))
-    if name is None or name in known or _of_a_part(name, header):
+    if name is None or name in known or name in _of_a_part(header):
         return None
     return Suggestion(
         name=name, certainty="perhaps", reason=f"a unit of {dimension}, and {axis[1]} in the name"
@@ -418,7 +419,6 @@ _NAMES: Final = tuple(
     }.items()
 )
 
-_OF_HULL: Final = ("X", "Y", "N", "K")
 _PARTS: Final = re.compile(
     r"\b(?:rudder|ruder|rud|prop(?:eller)?|fan|fin|pod|skeg|stock|hinge|thruster)s?\b"
 )

@@ -257,6 +257,8 @@ class FileLook:
         What keeps it from being read as it is.
     notes : tuple of str
         What the reader said.
+    above : tuple of str
+        What stands above the table of a sheet.
     """
 
     path: Path
@@ -273,13 +275,14 @@ class FileLook:
     blocks: Blocks = field(default_factory=Blocks)
     problems: tuple[Problem, ...] = ()
     notes: tuple[str, ...] = ()
+    above: tuple[str, ...] = ()
 
     @property
     def lines_above(self) -> tuple[str, ...]:
         """The lines of a text file above the names of its columns, or what else a container
         says beside them."""
         if self.layout is None:
-            return READERS[self.format].remarks(self.request) if self.format else ()
+            return self.above or READERS[self.format].remarks(self.request)
         if not self.options.skip_rows:
             return ()
         with self.path.open(encoding=self.layout.encoding, errors="replace") as stream:

@@ -177,6 +177,14 @@ class Request:
         title = None if len(listed) == 1 else f"{self.shown} cannot be read"
         return CampaignError(listed, title=title)
 
+    def read(self, count: int = -1) -> bytes:
+        """The first bytes of the file, all of them by default; an error where there are none."""
+        try:
+            with self.path.open("rb") as stream:
+                return stream.read(count)
+        except OSError as error:
+            raise self.unreadable(error) from error
+
     def unreadable(self, error: OSError) -> CampaignError:
         """The error of a file that the system does not give."""
         shown = replace(self, withheld=False)
@@ -253,6 +261,8 @@ class Cells:
         Rows that are not well formed; they are not among `rows`.
     notes : tuple of str
         What was left out or found out.
+    above : tuple of str
+        What stands above the headers of a sheet: names and what is stated of them, a line each.
     """
 
     headers: tuple[str, ...]
@@ -261,6 +271,7 @@ class Cells:
     decimal: str = "."
     problems: tuple[Problem, ...] = ()
     notes: tuple[str, ...] = ()
+    above: tuple[str, ...] = ()
 
     def number_at(self, index: int, place: int) -> tuple[float | None, str | None]:
         """The number of a cell as `to_number` gives it, and what is wrong with it, or None."""
@@ -587,7 +598,10 @@ class Reader(ABC):
 
     def cells(self, request: Request) -> Cells:
         """A small file whole, as text and numbers: tables whose rows are runs."""
-        raise request.error(f"a file of the format {self.name!r} is a history, not a table of rows")
+        raise request.error(
+            f"a file of the format {self.name!r} is a history, not a table of rows.",
+            remedy='Take row and [[tables]] away; for a table of results write format = "csv".',
+        )
 
     def recognises(self, path: Path, head: bytes) -> bool:  # noqa: ARG002
         """Whether a file is of the format, or a folder, whose `head` is empty.

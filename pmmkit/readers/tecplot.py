@@ -104,10 +104,7 @@ def _contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
 
 def zones_of(request: Request) -> list[Zone]:
     """All zones of a file."""
-    try:
-        data = request.path.read_bytes()
-    except OSError as error:
-        raise request.unreadable(error) from error
+    data = request.read()
     if data.startswith(_BINARY):
         raise request.error(
             "this is Tecplot's binary form.",

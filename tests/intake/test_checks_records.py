@@ -75,7 +75,7 @@ def gap(t):
         (epoch_behind, "error", "Row 401: The time jumps by 1.7e+09 s"),
         (lambda t: 1000 * t, "error", "A cycle of 12.5 s has only 0.12 samples, at steps of 100 s"),
         (lambda t: np.where(t == 5, np.nan, t), "error", "Row 51: 1 of 650 samples have no time"),
-        (lambda t: np.round(t), "error", "written to 1.00 s"),
+        (lambda t: np.round(t + 0.8 * np.sin(0.3 * t)), "error", "no even clock agrees with them"),
         (lambda t: np.round(t * 1.0173, 2), "warning", "written to 0.0100 s"),
         (gap, "warning", "the longest 3.10 s"),
         (lambda t: t + 0.02 * np.sin(7.3 * t), "info", "scatter by"),

@@ -7,7 +7,7 @@ import tomllib
 import pytest
 from small_campaign import write_campaign
 
-from pmmkit.intake import questions_of, written
+from pmmkit.intake import DraftAnswers, questions_of, written
 from pmmkit.intake.drafts.draft import draft_of
 from pmmkit.intake.drafts.questions import with_answer
 
@@ -69,6 +69,23 @@ def test_mass_and_volume_are_one_question_that_either_answers(tmp_path):
         answered = with_answer(text, mass.lines, answer)
         assert tomllib.loads(answered)["ship"] == told
         assert not [x for x in questions_of(answered) if x.key in ("ship.mass", "ship.volume")]
+
+
+@pytest.mark.parametrize(
+    ("answers", "density"),
+    [
+        ({"ship.name": "kvlcc2"}, 1026.0),
+        ({"ship.name": "kvlcc2-l7"}, 999.1),
+        ({"ship.L": "320"}, 1026.0),
+        ({"ship.L": "320", "water.rho": "1000"}, 1000),
+    ],
+)
+def test_a_ship_that_is_named_afterwards_brings_her_water(answers, density, tmp_path):
+    """The sea's for a ship at full scale, that of a tank for a model, unless somebody states it."""
+    write_campaign(tmp_path)
+    (tmp_path / "campaign.toml").unlink()
+    found = DraftAnswers(folder=tmp_path, answers=answers).drafted()
+    assert tomllib.loads(found.text)["water"]["rho"] == density
 
 
 def test_an_answer_is_no_guess_though_the_mark_was_left():

@@ -424,4 +424,4 @@ def test_what_stands_above_the_columns_is_told_line_by_line(path):
     above = [["Versuch 7"], ["Driftwinkel [°]", "-8,5"], ["Periode", 9.0, "s"], []]
     workbook(path, [*above, HEADER, ["s", "N", "N", "N m"], *rows()])
     request = Request(path=path, shown="run.xlsx", options=Options())
-    assert READERS["excel"].remarks(request) == ("Driftwinkel [°]; -8,5", "Periode; 9; s")
+    assert READERS["excel"].cells(request).above == ("Driftwinkel [°]; -8,5", "Periode; 9; s")

@@ -22,7 +22,11 @@ GAP: Final = 5.0
 COARSE: Final = 0.05
 UNEVEN: Final = 0.05
 MOSTLY: Final = 0.9
-_ROUNDED: Final[tuple[tuple[bool, Severity], ...]] = ((True, "error"), (False, "warning"))
+_ROUNDED: Final[tuple[tuple[bool, Severity, str], ...]] = (
+    (True, "error", "Time stamps repeat, and no even clock agrees with them"),
+    (False, "warning", "Time stamps are rounded"),
+)
+"""Whether they repeat. What reads files has put even clocks in place of stamps that tell one."""
 
 
 def clock_facts(t: Array) -> Mapping[str, float]:
@@ -111,14 +115,14 @@ def examine_clock(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
         severity="info",
     )
     rounded = [item for item in timed if _is_rounded(item)]
-    for coarse, severity in _ROUNDED:
+    for repeats, severity, title in _ROUNDED:
         yield from _together(
-            [item for item in rounded if (item.facts["repeats"] > 0) is coarse],
+            [item for item in rounded if (item.facts["repeats"] > 0) is repeats],
             lambda item: (
                 f"{item.run.id} has steps of {figure(item.facts['step'])} s on average, "
                 f"written to {figure(item.facts['resolution'])} s"
             ),
-            "Time stamps are rounded until they repeat" if coarse else "Time stamps are rounded",
+            title,
             "Write the times with more digits, or as sample number times the sampling interval.",
             severity=severity,
         )

@@ -102,13 +102,14 @@ def prefixes(looks: Sequence[FileLook]) -> dict[str, str]:
         for look in looks
         for name in {name for block in look.blocks.runs for name in block.names}
     )
+    if max(named.values(), default=0) < 2:
+        return {look.shown: "" for look in looks}
     books = Counter(look.options.sheet for look in looks)
     found = {}
     for look in looks:
         sheet = look.options.sheet
         book = PurePosixPath(look.file).stem if books[sheet] > 1 else None
-        parts = [str(part) for part in (book, sheet) if part is not None]
-        found[look.shown] = "_".join(parts) if max(named.values(), default=0) > 1 else ""
+        found[look.shown] = "_".join(str(part) for part in (book, sheet) if part is not None)
     return found
 
 

@@ -331,7 +331,7 @@ def facts_of_header(lines: Sequence[str]) -> RunFacts:
         factor = factor_to(unit, RUN_SETTINGS.units[item.name]) if unit else 1.0
         if factor is not None:
             value = float(f"{_value(found['number']) * factor:.9g}")
-            settings.setdefault(item.name, (value, line.strip('#%;*! \t"')))
+            settings.setdefault(item.name, (value, line[found.start("name") :].rstrip('; \t"')))
     test = _refined(test, settings)
     return RunFacts(test=test, settings=settings)
 

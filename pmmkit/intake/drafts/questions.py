@@ -263,9 +263,13 @@ def _is(cell: Cell, name: str) -> bool:
 
 MARK: Final = "TODO"
 """Stands in the comment of a line that a person must fill in or confirm, who then takes it away."""
-FRESH_WATER: Final = 999.1
-SEA_WATER: Final = 1026.0
-"""Densities at 15 °C, the sea's with 35 g/kg of salt (ITTC 7.5-02-01-03, 2011) [kg/m³]."""
+_FRESH_WATER: Final = 999.1
+"""At 15 °C (ITTC 7.5-02-01-03, 2011) [kg/m³]."""
+TANK_WATER, _SEA_WATER = (
+    aligned(f"rho = {rho:g}", f"{name} water of 15 °C; {MARK} density [kg/m³] if it was another")
+    for rho, name in ((_FRESH_WATER, "fresh"), (1026.0, "sea"))
+)
+"""A guess for a model, 0.1 % true from 10 to 20 °C; and for a ship, with 35 g/kg of salt."""
 GYRADIUS: Final = 0.25
 """Radius of gyration in yaw over L, as of most ships: 0.24 to 0.26."""
 
@@ -360,6 +364,17 @@ def questions_of(text: str) -> tuple[Question, ...]:
         and not (named and item.key.startswith("ship."))
     ]
     return tuple(sorted(questions, key=lambda item: list(_WORDS).index(item.kind)))
+
+
+def with_density(text: str) -> str:
+    """A campaign file whose guess of the density is that of its ship."""
+    from pmmkit.models import load_ship
+
+    raw = _read(text)
+    named = _names_library_ship(raw)
+    length = load_ship(raw["ship"]["name"]).L if named else _stated(raw).get("ship", {}).get("L", 0)
+    sea = length > Ship.LONGEST_MODEL
+    return text.replace(*((TANK_WATER, _SEA_WATER) if sea else (_SEA_WATER, TANK_WATER)))
 
 
 def with_answer(text: str, lines: Sequence[int], answer: str) -> str:
@@ -507,7 +522,7 @@ def _stated(raw: Mapping[str, Any]) -> Mapping[str, Mapping[str, float]]:
 def estimate_of(name: str, stated: Mapping[str, Mapping[str, float]]) -> tuple[str, str]:
     """A number for a particular that nobody stated, and where it comes from."""
     ship, water = stated.get("ship", {}), stated.get("water", {})
-    rho = water.get("rho", FRESH_WATER)
+    rho = water.get("rho", _FRESH_WATER)
     length, volume = ship.get("L"), ship.get("volume")
     mass = ship.get("mass", rho * volume if volume else None)
     if name == "ship.mass" and volume is not None:

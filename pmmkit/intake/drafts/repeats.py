@@ -149,12 +149,13 @@ def _rows(look: FileLook) -> _Rows | None:
     }
     whole = np.all([np.isfinite(x) for name, x in given.items() if _is_force(name)], axis=0)
     forces = np.concatenate([x[whole] for name, x in given.items() if _is_force(name)])
+    factors = {name: factor_of(column) for name, column in known.items()}
     fine = next((k for k in range(8) if np.allclose(forces, np.round(forces, k), 0, 1e-9)), 8)
     return _Rows(
         lines=tuple(line for (line, _), use in zip(rows, whole, strict=True) if use),
-        numbers={name: x[whole] * factor_of(known[name]) for name, x in given.items()},
+        numbers={name: x[whole] * factors[name] for name, x in given.items()},
         digits=fine,
-        steps={name: 10.0**-fine * abs(factor_of(known[name])) for name in given},
+        steps={name: 10.0**-fine * abs(factor) for name, factor in factors.items()},
     )
 
 

@@ -7,7 +7,6 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
 from pmmkit.campaigns import Campaign
-from pmmkit.conventions import Ship
 from pmmkit.intake.drafts.columns import (
     GAUGES,
     Todo,
@@ -31,7 +30,7 @@ from pmmkit.intake.drafts.entries import (
     saved_run_lines,
 )
 from pmmkit.intake.drafts.matrix import scatter_lines
-from pmmkit.intake.drafts.questions import FRESH_WATER, SEA_WATER, Found, estimate_of
+from pmmkit.intake.drafts.questions import TANK_WATER, Found, estimate_of, with_density
 from pmmkit.intake.seen import FileLook
 from pmmkit.presentation import printable
 from pmmkit.readers import READERS
@@ -120,7 +119,9 @@ def written(draft: Draft) -> CampaignText:
         sum(len(campaign) for _, campaign in draft.saved) + len(draft.runs) + len(draft.tables)
     )
     return CampaignText(
-        text="\n".join(lines) + "\n", todo=tuple(todo.all()), complete=entries - len(todo.open_runs)
+        text=with_density("\n".join(lines) + "\n"),
+        todo=tuple(todo.all()),
+        complete=entries - len(todo.open_runs),
     )
 
 
@@ -266,20 +267,9 @@ def _ship(draft: Draft, todo: Todo) -> list[str]:
 
 
 def _density(draft: Draft) -> str:
-    """As listed; else a model's is taken for fresh water's, 0.1 % true from 10 to 20 °C, and a
-    ship's for the sea's."""
-    from pmmkit.models import load_ship
-
-    if "rho" in draft.particulars:
-        rho, where = draft.particulars["rho"]
-        return aligned(f"rho = {rho:g}", where)
-    length = draft.particulars.get("L", (0.0,))[0]
-    if draft.ship_name is not None:
-        length = load_ship(draft.ship_name).L
-    ship = length > Ship.LONGEST_MODEL
-    rho, words = (SEA_WATER, "sea water") if ship else (FRESH_WATER, "fresh water")
-    why = f"{words} of 15 °C; TODO density [kg/m³] if it was another"
-    return aligned(f"rho = {rho:g}", why)
+    """As listed, else as `with_density` guesses it."""
+    rho, where = draft.particulars.get("rho", (None, ""))
+    return TANK_WATER if rho is None else aligned(f"rho = {rho:g}", where)
 
 
 def _asked(key: str) -> str:

@@ -45,12 +45,6 @@ class Workbook(Reader):
 
         return reader.cells(request)
 
-    def remarks(self, request: Request) -> tuple[str, ...]:
-        """The rows above the columns that hold a name and what is stated of it."""
-        from pmmkit.readers.excel import reader
-
-        return reader.remarks(request)
-
     def sheets(self, request: Request) -> tuple[str, ...]:
         """Names of the sheets."""
         from pmmkit.readers.excel import reader

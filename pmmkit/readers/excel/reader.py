@@ -196,14 +196,6 @@ def cells(request: Request) -> Cells:
     return _table(_grid(request), request)
 
 
-def remarks(request: Request) -> tuple[str, ...]:
-    """Rows of two or three cells above the columns, a name and what is stated of it."""
-    plain = [tuple(_cell(value) for value in row) for row in _grid(request)]
-    _, first = layout_of(plain, request)
-    rows = [[text(cell) for cell in row if cell is not None] for row in plain[:first]]
-    return tuple("; ".join(row) for row in rows if 2 <= len(row) <= 3)
-
-
 def _table(grid: Grid, request: Request) -> Cells:
     plain = [tuple(_cell(value) for value in row) for row in grid]
     headers, first = layout_of(plain, request)
@@ -214,10 +206,12 @@ def _table(grid: Grid, request: Request) -> Cells:
     ]
     if not body:
         raise request.error("the sheet has no rows below its header.")
+    above = [[text(cell) for cell in row if cell is not None] for row in plain[:first]]
     return Cells(
         headers=headers if headers is not None else ("",) * len(body[0][1]),
         rows=tuple(row for _, row in body),
         lines=tuple(line for line, _ in body),
+        above=tuple("; ".join(row) for row in above if 2 <= len(row) <= 3),
     )
 
 

@@ -87,11 +87,7 @@ class _Found:
 @contextmanager
 def contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
     """What the file offers as columns, and what else it holds; open as long as it is used."""
-    try:
-        with request.path.open("rb") as stream:
-            head = stream.read(HEAD)
-    except OSError as error:
-        raise request.unreadable(error) from error
+    head = request.read(HEAD)
     if not head:
         raise request.error("the file is empty (0 bytes).")
     if is_netcdf3(head):
@@ -107,9 +103,8 @@ _UNITS: Final = ("units", "unit", "Units", "Unit", "UNIT")
 
 def remarks(request: Request) -> tuple[str, ...]:
     """The attributes of the file or of the group: numbers and short texts."""
-    with request.path.open("rb") as stream:
-        if is_netcdf3(stream.read(HEAD)):
-            return ()
+    if is_netcdf3(request.read(HEAD)):
+        return ()
     with opened(request) as file:
         held = _group(file, request).attrs
         said = {name: number_of(held, name) for name in held}

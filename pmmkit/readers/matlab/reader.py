@@ -55,11 +55,7 @@ def remarks(request: Request) -> tuple[str, ...]:
 
 @contextmanager
 def _variables(request: Request) -> Iterator[list[MatlabVariable]]:
-    try:
-        with request.path.open("rb") as stream:
-            head = stream.read(HEAD)
-    except OSError as error:
-        raise request.unreadable(error) from error
+    head = request.read(HEAD)
     if is_hdf5(head):
         with opened(request) as file:
             yield read_v73(file, request)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pmmkit.numerics import Array
-from pmmkit.readers.base import Cells, Choose, Columns, Reader, Request
+from pmmkit.readers.base import Choose, Columns, Reader, Request
 
 
 class OpenFoam(Reader):
@@ -41,13 +41,6 @@ class OpenFoam(Reader):
         from pmmkit.readers.openfoam import reader
 
         return reader.columns(request, choose)
-
-    def cells(self, request: Request) -> Cells:
-        """Not a table of tests: always refused."""
-        raise request.error(
-            "results of OpenFOAM are a history, not a table whose rows are tests.",
-            remedy="Take row and [[tables]] away.",
-        )
 
     def usual(self, headers: Sequence[str]) -> Mapping[str, str]:  # noqa: ARG002
         """Where our channels stand."""

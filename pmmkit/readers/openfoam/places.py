@@ -206,11 +206,7 @@ def _only_object(request: Request, results: Path) -> Request:
 
 def read_layout(request: Request) -> RowLayout | None:
     """The layout of a file, None if it is not one of OpenFOAM."""
-    try:
-        with request.path.open("rb") as stream:
-            return layout_of(stream.read(LONGEST))
-    except OSError as error:
-        raise request.unreadable(error) from error
+    return layout_of(request.read(LONGEST))
 
 
 def _part(request: Request, layout: RowLayout) -> RestartPart:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from pmmkit.readers.base import Cells, Choose, Columns, Reader, Request
+from pmmkit.readers.base import Choose, Columns, Reader, Request
 
 
 class StarCcm(Reader):
@@ -34,13 +34,6 @@ class StarCcm(Reader):
         from pmmkit.readers.starccm import reader
 
         return reader.columns(request, choose)
-
-    def cells(self, request: Request) -> Cells:
-        """Not a table: always refused."""
-        raise request.error(
-            "an export of monitors is a history, not a table of rows.",
-            remedy='For a table of results write format = "csv".',
-        )
 
     def usual(self, headers: Sequence[str]) -> Mapping[str, str]:
         """Channels of columns whose own names leave no doubt."""

@@ -88,11 +88,7 @@ class Text:
 
 def take_apart(request: Request) -> Text:
     """Read a text file whole and find out how it is written."""
-    try:
-        data = request.path.read_bytes()
-    except OSError as error:
-        raise request.unreadable(error) from error
-    return _taken_apart(data, request)[0]
+    return _taken_apart(request.read(), request)[0]
 
 
 def blocks(request: Request) -> Iterator[Text]:

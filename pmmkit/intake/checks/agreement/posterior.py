@@ -134,15 +134,8 @@ def agreement(group: RunGroup) -> Agreement:
             break
         excess = np.maximum(excess * level, 1.0)
     precision, score = _posterior(group, white, prior, weight / excess)
-    return Agreement(
-        group=group,
-        white=white,
-        precision=precision,
-        score=score,
-        prior=prior,
-        weight=weight,
-        excess=excess,
-        misfit=np.nan_to_num(share),
+    return replace(
+        probe, precision=precision, score=score, excess=excess, misfit=np.nan_to_num(share)
     )
 
 
