@@ -177,6 +177,11 @@ class Request:
         title = None if len(listed) == 1 else f"{self.shown} cannot be read"
         return CampaignError(listed, title=title)
 
+    def absent(self, what: str, wanted: str, there: Sequence[str]) -> CampaignError:
+        """The error of a part of the file that is asked for and is not there."""
+        hint, held = did_you_mean(wanted, there) or ".", ", ".join(there) or "none"
+        return self.error(f"there is no {what} {wanted!r}{hint} It has {held}.")
+
     def read(self, count: int = -1) -> bytes:
         """The first bytes of the file, all of them by default; an error where there are none."""
         try:

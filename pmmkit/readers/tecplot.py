@@ -16,7 +16,6 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.base import did_you_mean
 from pmmkit.numerics import Array
 from pmmkit.readers.base import Request
 from pmmkit.readers.vectors import Vector, VectorReader
@@ -181,11 +180,7 @@ def _chosen(zones: list[Zone], request: Request) -> list[Zone]:
         return zones
     found = [zone for zone in zones if zone.title == wanted]
     if not found:
-        titles = [zone.title for zone in zones]
-        raise request.error(
-            f"there is no zone {wanted!r}{did_you_mean(wanted, titles) or '.'} "
-            f"It has {', '.join(titles)}."
-        )
+        raise request.absent("zone", wanted, [zone.title for zone in zones])
     return found
 
 

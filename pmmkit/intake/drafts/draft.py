@@ -378,16 +378,8 @@ def _runs(group: FileGroup, base: str, length: float | None) -> list[RunDraft]:
         named, headed = facts_of(_name(item)), facts_of_header(item.lines_above)
         here, own, asked = _in_seconds(clock, named, headed)
         columns = {**wanted, "t": here, **({} if drift is None else {"drift": drift})}
-        channels, problems = _channels(
-            replace(
-                group.first,
-                path=item.path,
-                shown=item.shown,
-                options=item.options,
-                layout=item.layout,
-            ),
-            columns,
-        )
+        alike = replace(item, kind="history", columns=group.first.columns)
+        channels, problems = _channels(alike, columns)
         time = channels.pop("t", np.zeros(0)) if not asked else np.zeros(0)
         channels = on_plane(time, channels)
         for name, numbers in channels.items():

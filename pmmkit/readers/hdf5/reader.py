@@ -19,7 +19,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.base import did_you_mean
 from pmmkit.numerics import Array
 from pmmkit.readers.base import HEAD, Request
 from pmmkit.readers.bounds import Damaged
@@ -159,10 +158,7 @@ def _group(file: Any, request: Request) -> Any:
     for part in wanted.strip("/").split("/"):
         inside = {name: item for name, item in members(group) if isinstance(item, h5py.Group)}
         if part not in inside:
-            listed = f"It has {', '.join(inside)}." if inside else "It has none."
-            raise request.error(
-                f"there is no group {wanted!r}{did_you_mean(part, inside) or '.'} {listed}"
-            )
+            raise request.absent("group", part, [*inside])
         group = inside[part]
     return group
 

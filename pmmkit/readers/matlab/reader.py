@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Final
 
-from pmmkit.base import CampaignError, did_you_mean
+from pmmkit.base import CampaignError
 from pmmkit.readers.base import HEAD, Request
 from pmmkit.readers.bounds import Damaged
 from pmmkit.readers.hdf5.datasets import is_hdf5, opened
@@ -98,10 +98,7 @@ def _group(found: list[MatlabVariable], request: Request) -> list[MatlabVariable
     ]
     if not inside:
         structs = sorted({variable.name.rpartition(".")[0] for variable in found} - {""})
-        listed = f"It has {', '.join(structs)}." if structs else "It has no structs."
-        raise request.error(
-            f"there is no struct {wanted!r}{did_you_mean(wanted, structs) or '.'} {listed}"
-        )
+        raise request.absent("struct", wanted, structs)
     return inside
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,7 +20,7 @@ import numpy as np
 
 from pmmkit.base import Problem
 from pmmkit.numerics import ABSURD, Array
-from pmmkit.readers.base import LISTED, Request, abridged, fault, to_number
+from pmmkit.readers.base import LISTED, Cells, Request, abridged
 
 Kind = Literal["forces", "force", "moment", "coefficients", "motion"]
 
@@ -369,30 +368,25 @@ def _careful(
     block: bytes, first: int, layout: RowLayout, columns: Sequence[int], request: Request
 ) -> tuple[Array, int, list[Problem]]:
     """Every line taken apart on its own."""
-    rows: list[list[float]] = []
+    rows: list[tuple[str, ...]] = []
+    lines: list[int] = []
     problems: list[Problem] = []
-    drop = request.options.missing == "drop"
-    dropped = 0
     for line, raw in enumerate(block[:-1].split(b"\n"), start=first):
-        fields = [field.decode("utf-8", "replace") for field in _fields(raw)]
+        fields = tuple(field.decode("utf-8", "replace") for field in _fields(raw))
         why = _misshapen(raw, len(fields), layout)
         if why is not None:
             problems.append(request.problem(why, row=line))
-            continue
-        numbers = [to_number(fields[place]) for place in columns]
-        problems += [
-            request.problem(reason, row=line, column=layout.title(place))
-            for place, number in zip(columns, numbers, strict=True)
-            if (reason := fault(number, fields[place]))
-            and not (drop and number is not None and math.isnan(number))
-        ]
-        if any(number is None or math.isnan(number) for number in numbers):
-            dropped += 1
         else:
-            rows.append([number for number in numbers if number is not None])
-        if len(problems) > LISTED + 1:
-            break
-    return np.array(rows, float).reshape(len(rows), len(columns)).T, dropped, problems
+            rows.append(fields)
+            lines.append(line)
+    cells = Cells(
+        headers=tuple(map(layout.title, range(layout.width))),
+        rows=tuple(rows),
+        lines=tuple(lines),
+        problems=tuple(problems),
+    )
+    table, dropped, found = cells.numbers(columns, request)
+    return table.T, dropped, found
 
 
 def _misshapen(raw: bytes, count: int, layout: RowLayout) -> str | None:

@@ -20,7 +20,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.base import CampaignError, PmmkitError, did_you_mean
+from pmmkit.base import CampaignError, PmmkitError
 from pmmkit.conventions import split_unit
 from pmmkit.numerics import Array
 from pmmkit.readers.base import Cells, Choose, Columns, Request, first_line
@@ -232,13 +232,10 @@ def _looked_over(file: Any, unfinished: bool, request: Request) -> _Contents:
     statuses = file.file_status.channel_statuses or {}
     groups = [item for item in file.groups() if request.options.group in (None, item.name)]
     if not groups:
-        wanted, there = request.options.group or "", [group.name for group in file.groups()]
-        raise request.error(
-            f"there is no group {wanted!r}{did_you_mean(wanted, there) or '.'} "
-            f"It has {', '.join(there)}."
-            if there
-            else "there are no groups of channels."
-        )
+        there = [group.name for group in file.groups()]
+        if not there:
+            raise request.error("there are no groups of channels.")
+        raise request.absent("group", request.options.group or "", there)
     found = [channel for group in groups for channel in group.channels()]
     for channel in found:
         _check_scales(channel, file, request)

@@ -262,18 +262,12 @@ def _ended(text: Text) -> bool:
 
 def _digits(text: Text) -> list[tuple[int, int]]:
     """Decimals and digits of the exponent in the last number of each of the last lines."""
-    pattern = re.compile(
-        rb"[^"
-        + re.escape(text.decimal.encode())
-        + rb"eE]*(?:"
-        + re.escape(text.decimal.encode())
-        + rb"(\d*))?(?:[eE][+-]?(\d*))?"
-    )
+    sign = re.escape(text.decimal)
+    pattern = re.compile(rf"[^{sign}eE]*(?:{sign}([0-9]*))?(?:[eE][+-]?([0-9]*))?")
     return [
-        (len(found[1] or b""), len(found[2] or b""))
+        (len(found[1] or ""), len(found[2] or ""))
         for line in text.data[max(text.start, text.stop - 65536) : text.stop].split(b"\n")[
             -_SAMPLE:
         ]
-        if (fields := fields_of(line, text.delimiter))
-        and (found := pattern.fullmatch(fields[-1].encode()))
+        if (fields := fields_of(line, text.delimiter)) and (found := pattern.fullmatch(fields[-1]))
     ]
