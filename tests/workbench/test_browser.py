@@ -16,11 +16,14 @@ from long_work import done
 from served import served
 
 from pmmkit.actions import action
+from pmmkit.campaigns import open_campaign
 from pmmkit.cli import main
 from pmmkit.effects import CATALOGUE
+from pmmkit.files import datasets_folder
 from pmmkit.models import load_model
 from pmmkit.presentation import Grid, Group, Picture, Section, Symbol
-from pmmkit.views import page_file
+from pmmkit.reduction import reduce_campaign
+from pmmkit.views import page_file, page_of
 from pmmkit.views.pages.page_file import state_of
 from pmmkit.views.pages.sections import told_page
 from pmmkit.workbench import Desk, frozen_page
@@ -347,6 +350,28 @@ def test_what_is_told_is_shown_as_text_and_pictures_that_run_nothing(page, tmp_p
     assert page.run("document.querySelectorAll('figure')[1].textContent").startswith("This picture")
     assert page.run("document.title") == "Data · Told"
     assert page.complaints == []
+
+
+def test_letters_beside_the_derivatives_keep_their_size_and_numbers_are_round(page, tmp_path):
+    """Drawn for a panel of another width, they were half as large as those around them."""
+    reduction = reduce_campaign(
+        open_campaign(datasets_folder() / "s175"), structure="linear", fn="pooled"
+    )
+    answers = {
+        "state": state_of(title="Letters", kind="captive", runs=len(reduction.runs), model=""),
+        "derivatives": page_of(reduction),
+    }
+    file = tmp_path / "letters.html"
+    file.write_text(page_file(answers), encoding="utf-8")
+    page.open(f"{file.as_uri()}#derivatives")
+    assert page.wait("document.querySelectorAll('.plot svg text').length")
+    shown = "(svg => svg.getBoundingClientRect().width / svg.viewBox.baseVal.width)"
+    assert page.run(f"{shown}(document.querySelector('.plot svg'))") == pytest.approx(1, abs=0.02)
+    texts = "[...document.querySelectorAll('.plot svg text')].map(x => x.textContent)"
+    told = json.loads(page.run(f"JSON.stringify({texts})"))
+    ticks = [x for x in told if x.strip("−.0123456789") == ""]
+    assert len(ticks) > 2
+    assert all(len(x.strip("−.0").replace(".", "")) < 3 for x in ticks)
 
 
 def test_two_candidates_stand_side_by_side(page, asked_desk):

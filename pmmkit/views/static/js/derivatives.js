@@ -4,7 +4,7 @@ import { el, refill, svg } from "./dom.js";
 import { t, titleOf } from "./words.js";
 import { num } from "./format.js";
 import { frozen } from "./api.js";
-import { roomOf } from "./linear.js";
+import { roomOf, ticks } from "./linear.js";
 
 const CHANNELS = ["X", "Y", "N", "K"];
 
@@ -64,8 +64,9 @@ function published(values, factor) {
 }
 
 function drawDetail(root, found, row) {
-  refill(root,
-    el("h2", {}, row.name),
+  // An empty panel leaves its room to the table: the plot is measured beside its title.
+  refill(root, el("h2", {}, row.name));
+  root.append(
     forest(root, found, row),
     el("div", { class: "pair" },
       el("div", {}, el("h3", {}, t("determined_by")), row.runs.length
@@ -103,6 +104,6 @@ function forest(detail, found, row) {
     }
   });
   const base = height * lines.length + 20;
-  for (const value of [low, (low + high) / 2, high]) root.append(svg("text", { x: at(value), y: base, "text-anchor": "middle" }, num(found.factor * value, 4)));
+  for (const value of ticks(found.factor * low, found.factor * high, 4)) root.append(svg("text", { x: at(value / found.factor), y: base, "text-anchor": "middle" }, num(value, 4)));
   return el("div", { class: "plot" }, el("h3", {}, t("forest_about")), root);
 }
