@@ -236,7 +236,13 @@ def test_no_rule_of_accessibility_is_broken(opened, axe, scheme):
         opened.scheme("light")
 
 
-@pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (390, "light"), (1440, "dark")])
+SIZES = """JSON.stringify([...document.querySelectorAll('.plot svg[viewBox]')].map(
+    svg => svg.getBoundingClientRect().width / svg.viewBox.baseVal.width))"""
+
+
+@pytest.mark.parametrize(
+    ("width", "scheme"), [(390, "dark"), (390, "light"), (1024, "light"), (1440, "dark")]
+)
 def test_places_fit_a_narrow_screen_and_the_dark(opened, width, scheme):
     opened.size(width, 844)
     opened.scheme(scheme)
@@ -245,6 +251,8 @@ def test_places_fit_a_narrow_screen_and_the_dark(opened, width, scheme):
             opened.run(f"location.hash = '{name}'")
             settled(opened)
             assert opened.run("document.documentElement.scrollWidth <= innerWidth"), name
+            sizes = json.loads(opened.run(SIZES))
+            assert all(0.65 < size < 1.4 for size in sizes), (name, "letters of plots")
         ground = opened.run("getComputedStyle(document.documentElement).backgroundColor")
         assert (ground == "rgb(15, 19, 23)") is (scheme == "dark")
     finally:

@@ -358,6 +358,7 @@ class CaptiveTests:
             errors,
         )
 
+    @one_thread()
     def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
         """The ship that a set named by `diagnose` says, with its uncertainty and without steps."""
         return self._sailing((*self._names(steps), *names))[2]

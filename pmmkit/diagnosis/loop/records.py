@@ -429,6 +429,7 @@ class FreeRecords:
         """The model with base and effects fitted together, and with a step per effect."""
         return refitted(self.system, self.begun, steps)
 
+    @one_thread()
     def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
         """The ship that a set named by `diagnose` says, with its uncertainty and without steps."""
         given = self.sets(steps)[-1]

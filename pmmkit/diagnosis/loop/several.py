@@ -23,6 +23,7 @@ from pmmkit.diagnosis.loop.records import FreeRecords, free_running
 from pmmkit.effects import Effect
 from pmmkit.identification import FreeRecord
 from pmmkit.models import Model, Step, without_effect
+from pmmkit.numerics import one_thread
 from pmmkit.presentation import counted
 
 Tests = Campaign | Sequence[FreeRecord]
@@ -171,6 +172,7 @@ class SeveralCampaigns:
         and effects fitted together, with a step per effect."""
         return self._model_of(self.ship, steps)
 
+    @one_thread()
     def models(self, steps: Sequence[Step]) -> Mapping[str, Model]:
         """The ship as each campaign has it, base and effects fitted together."""
         return {name: self._model_of(name, steps) for name in self.order}
@@ -184,6 +186,7 @@ class SeveralCampaigns:
         item, asked = self.each(steps)[name]
         return item.model(asked)
 
+    @one_thread()
     def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
         """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
 

@@ -6,12 +6,10 @@ import { num } from "./format.js";
 
 const LARGEST = 30;
 
-export function coveragePanel(covered) {
-  if (!covered?.length) return null;
+export function coveragePanel(covered, width) {
   const sizes = covered.map((item) => Math.min(item.size ?? LARGEST, LARGEST));
   const low = Math.floor(Math.log10(Math.max(Math.min(...sizes), 1e-4)));
   const high = Math.log10(LARGEST);
-  const width = Math.min(720, Math.max(innerWidth - 80, 300));
   const longest = Math.max(...covered.map((item) => titleOf(item.effect).length));
   const [left, right, row, top] = [Math.min(6.4 * longest + 14, width / 2), 46, 19, 6];
   const height = top + row * covered.length + 22;

@@ -4,6 +4,7 @@ import { el, refill, svg } from "./dom.js";
 import { t, titleOf } from "./words.js";
 import { fixed, num, unitOf } from "./format.js";
 import { recordPlots } from "./recordplots.js";
+import { roomOf } from "./linear.js";
 import { legend, runPlots } from "./runplots.js";
 import { turnPanel } from "./sailed.js";
 import { frozen } from "./api.js";
@@ -23,8 +24,11 @@ export async function showMissing(root, app, shown) {
   refill(left, fresh ? null : question(app, found), found?.candidates.length ? answer(found, app, view) : null, found ? rivals(found) : null, found ? hidden(found) : null, ownPanel(app, found));
   const turns = el("section", { class: "panel", "aria-label": t("turn") });
   const run = el("section", { class: "panel", "aria-label": t("selected_run") }, el("p", { class: "soft" }, t("computing")));
-  refill(right, fall ? (fall.campaigns ?? [fall]).map(waterfall) : null, run, turns, coveragePanel(found?.covered));
+  refill(right, run, turns);
   shown();
+  const room = roomOf(run);
+  right.prepend(...(fall ? fall.campaigns ?? [fall] : []).map((own) => waterfall(own, room)));
+  if (found?.covered?.length) right.append(coveragePanel(found.covered, room));
   view.show = await runView(run, app, fresh ? found : null);
   view.show(view.asked);
   // The turn of a page that asks about no model that sails is of another one.
@@ -173,11 +177,10 @@ async function runView(root, app, found) {
   return draw;
 }
 
-function waterfall(fall) {
+function waterfall(fall, width) {
   const steps = fall.steps;
   const most = Math.max(...steps.map((step) => step.error));
   const unit = fall.unit === "deg" ? "°" : ` ${fall.unit}`;
-  const width = Math.min(720, Math.max(innerWidth - 80, 300));
   const [left, right, row, top] = [width < 500 ? 135 : 190, 70, 34, 8];
   const height = top + row * steps.length + 22;
   const at = (x) => left + (x / most) * (width - left - right);
