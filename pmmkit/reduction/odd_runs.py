@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -53,7 +53,8 @@ def runs_at_odds(
     again by values and scatter of the others alone, and the rest anew without the worst.
     """
 
-    @cache
+    # Those of one round: a fit of a thousand runs holds 30 MB.
+    @lru_cache(maxsize=SUSPECTS)
     def solved(groups: _Groups) -> Solution:
         members = [(float(solution.Fn[number]), runs) for number, runs in groups]
         return solve(rows, sensitivities, columns, members, solution.between.unknown())
