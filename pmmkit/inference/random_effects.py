@@ -8,7 +8,7 @@ setting of the drift angle.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from types import MappingProxyType
@@ -300,7 +300,7 @@ class RunEffects:
         cls,
         likelihoods: Mapping[str, Sequence[Restricted]],
         scale: Mapping[str, float],
-        begin: RunEffects | None = None,
+        begin: Sequence[RunEffects] = (),
     ) -> RunEffects:
         """Sizes by restricted likelihood and a laboratory's prior.
 
@@ -310,8 +310,9 @@ class RunEffects:
             Those of a channel, such as one for each Froude number; their runs draw alike.
         scale : mapping of channel to float
             Rms force of each channel [N, N m].
-        begin : RunEffects, optional
+        begin : sequence of RunEffects
             Where the search begins, of these channels at least; by default at the prior's medians.
+            Of several modes the highest is taken.
 
         Notes
         -----
@@ -325,7 +326,7 @@ class RunEffects:
         """
         places = dict(zip(likelihoods, _places(len(likelihoods)), strict=True))
         at, information = _mode(
-            list(likelihoods.values()), None if begin is None else begin._mode(likelihoods)
+            list(likelihoods.values()), [one._mode(likelihoods) for one in begin]
         )
         covariance = np.linalg.inv(information)
         nodes, weights, informed = {}, {}, {}
@@ -483,9 +484,10 @@ def _prior(count: int) -> tuple[Array, Array]:
 
 
 def _mode(
-    likelihoods: Sequence[Sequence[Restricted]], begin: Array | None = None
+    likelihoods: Sequence[Sequence[Restricted]], begin: Sequence[Array] = ()
 ) -> tuple[Array, Array]:
-    """The most probable logarithms and the information there, by damped Newton steps."""
+    """The most probable logarithms and the information there, by damped Newton steps from each
+    beginning."""
     places = _places(len(likelihoods))
     mean, precision = _prior(len(likelihoods))
 
@@ -501,7 +503,16 @@ def _mode(
                 information[np.ix_(own, own)] += curved
         return value, gradient, information
 
-    at, last = mean if begin is None else begin, np.inf
+    found = [_climbed(slope, at) for at in (begin or [mean])]
+    _, at, information = max(found, key=lambda one: one[0])
+    return at, information
+
+
+def _climbed(
+    slope: Callable[[Array], tuple[float, Array, Array]], at: Array
+) -> tuple[float, Array, Array]:
+    """The value, place and information of the mode that Newton steps reach from a place."""
+    last = np.inf
     value, gradient, information = slope(at)
     curved = information
     for _ in range(STEPS):
@@ -524,7 +535,7 @@ def _mode(
             curved = curved - np.outer(own, own) / (moved @ own)
             curved += np.outer(bent, bent) / (bent @ moved)
         last = promised
-    return at, information
+    return value, at, information
 
 
 def _rule(d: int) -> tuple[Array, Array]:

@@ -57,7 +57,8 @@ def runs_at_odds(
     @lru_cache(maxsize=SUSPECTS)
     def solved(groups: _Groups) -> Solution:
         members = [(float(solution.Fn[number]), runs) for number, runs in groups]
-        return solve(rows, sensitivities, columns, members, solution.between.unknown())
+        unknown, near = solution.between.unknown(), solution.between.scatter
+        return solve(rows, sensitivities, columns, members, unknown, near=near)
 
     limit = AT_ODDS / max(len(found), 1)
     odd: list[Influence] = []

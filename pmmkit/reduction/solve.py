@@ -220,14 +220,20 @@ def solve(
     known: Mapping[int, Mapping[str, float]] | None = None,
     *,
     intervals: bool = True,
+    near: RunEffects | None = None,
 ) -> Solution:
-    """Fit every channel at every Froude number."""
+    """Fit every channel at every Froude number.
+
+    near: scatter of nearly the same runs. Where a structure lacks terms its posterior can have two
+    modes, and these runs may be at the one that a usual laboratory's does not lead to.
+    """
     cases = list(_cases(rows, sensitivities, columns, groups, between, known or {}))
     size = {
         channel: float(np.sqrt(np.mean([case.size**2 for case in own])))
         for channel, own in _by_channel(cases).items()
     }
     scatter = between.scatter or RunEffects.usual(size)
+    begin = [scatter] if near is None else [scatter, near]
     draws: list[RunDraws] = []
     fits = [case.begun(size[case.channel]) for case in cases]
     for _ in range(ROUNDS if between.scatter is None else 1):
@@ -239,7 +245,8 @@ def solve(
             for case, found, draw in zip(cases, fits, draws, strict=True):
                 with solvable(case.channel, case.Fn):
                     likelihoods.setdefault(case.channel, []).append(likelihood_of(found, draw))
-            scatter = RunEffects.of(likelihoods, size, scatter)
+            scatter = RunEffects.of(likelihoods, size, begin)
+            begin = [scatter]
         fits = [case.fit(draw, scatter) for case, draw in zip(cases, draws, strict=True)]
     repeatability = between.scatter or scatter
     if intervals and between.scatter is None:

@@ -211,6 +211,34 @@ def test_a_channel_leans_on_the_others_of_its_laboratory():
     assert found.sizes("N")[2] == pytest.approx(found.sizes("X")[2], rel=0.05)
 
 
+def test_of_two_modes_the_higher_is_found_wherever_the_search_begins():
+    """Where offset and gain act alike, either can be the large one, but not both."""
+    scatter = np.random.default_rng(3).normal(size=40)
+    columns = scatter[:, None, None] / 0.001
+    alike = np.zeros((40, 1, 4))
+    alike[..., :2] = 1.0 / 0.001
+    likelihood = {"Y": [RunEffects.likelihood([(columns, alike)], 0)]}
+    large = {
+        kind: RunEffects(
+            nodes={"Y": np.where(np.array(RunEffects.KINDS) == kind, 1.0, 0.003)[None]},
+            weights={"Y": np.ones(1)},
+            scale={"Y": 1.0},
+            informed={"Y": ()},
+        )
+        for kind in ("offset", "gain")
+    }
+    alone = {
+        kind: RunEffects.of(likelihood, {"Y": 1.0}, [begin]).nodes["Y"][0]
+        for kind, begin in large.items()
+    }
+    assert alone["offset"][0] == pytest.approx(1.0, rel=0.3)
+    assert alone["gain"][1] == pytest.approx(1.0, rel=0.3)
+    for begin in (large.values(), reversed(large.values())):
+        both = RunEffects.of(likelihood, {"Y": 1.0}, list(begin)).nodes["Y"][0]
+        # The prior's median is nearer to a large gain.
+        assert both.tolist() == alone["gain"].tolist()
+
+
 def test_half_width_of_two_normals_holds_their_mixture():
     value, variance = np.array([[0.1], [-0.2]]), np.array([[1.0], [9.0]])
     weight = np.array([0.7, 0.3])
