@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
@@ -223,9 +223,10 @@ class DenseHistory:
         return np.empty(size) if self.fast else [0.0] * size
 
 
+@lru_cache(maxsize=64)
 def settings_for(
     L: float, speed: float, gear: Gear, rtol: float, revolutions: Revolutions = None
-) -> list[float]:
+) -> tuple[float, ...]:
     """The settings of the integrator, in the order of `SettingField`."""
     values = {
         SettingField.rtol: rtol,
@@ -240,7 +241,7 @@ def settings_for(
         SettingField.revolutions: -1.0 if revolutions == "speed" else revolutions or 0.0,
         SettingField.fastest: FASTEST * speed,
     }
-    return [values[place] for place in SettingField]
+    return tuple(values[place] for place in SettingField)
 
 
 def run_plan(
@@ -285,12 +286,12 @@ def run_plan(
     if fast is None:
         fast = _pays(ready.structure, _INTERPRETED[ready.structure])
     functions = ready.functions(fast=fast)
-    settings: Any = settings_for(ready.L, ready.speed, gear, rtol, revolutions)
+    given = settings_for(ready.L, ready.speed, gear, rtol, revolutions)
+    settings: Any = np.array(given) if fast else list(given)
     orders: Any = plan.orders_array if fast else plan.orders
     count = len(plan.phases)
-    events: Any = [0.0] * (len(EventField) * (count + 1))
-    if fast:
-        settings, events = np.array(settings), np.zeros(len(events))
+    marks = len(EventField) * (count + 1)
+    events: Any = np.zeros(marks) if fast else [0.0] * marks
     stride = functions.STRIDE
     room = ROOM
     while True:
