@@ -82,12 +82,13 @@ _INTERPRETED: Final[Counter[EquationStructure]] = Counter()
 never on a number."""
 
 
-def _pays(structure: EquationStructure, steps: int) -> bool:
-    """Whether compiled functions take less time than so many interpreted steps: those that the
-    session has loaded always do."""
-    if is_loaded(structure) or steps >= ENOUGH:
+def _pays(structure: EquationStructure, to_come: int = 0) -> bool:
+    """Whether compiled functions take less time than the interpreted steps so far and those to
+    come: those that the session has loaded always do."""
+    if is_loaded(structure):
         return True
-    return steps >= FEW and is_compiled(structure)
+    steps = _INTERPRETED[structure] + to_come
+    return steps >= ENOUGH or (steps >= FEW and is_compiled(structure))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -284,7 +285,7 @@ def run_plan(
     """
     asked = fast
     if fast is None:
-        fast = _pays(ready.structure, _INTERPRETED[ready.structure])
+        fast = _pays(ready.structure)
     functions = ready.functions(fast=fast)
     given = settings_for(ready.L, ready.speed, gear, rtol, revolutions)
     settings: Any = np.array(given) if fast else list(given)
@@ -310,8 +311,7 @@ def run_plan(
         if status != Status.no_room or room >= MOST:
             break
         room *= 4
-        to_come = _INTERPRETED[ready.structure] + room
-        if asked is None and not fast and _pays(ready.structure, to_come):
+        if asked is None and not fast and _pays(ready.structure, room):
             return run_plan(ready, plan, gear, rtol=rtol, fast=True, revolutions=revolutions)
     if status != Status.done:
         last = steps[stride * (kept - 1) + StepField.begin] if kept else 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import fields, replace
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Literal
@@ -170,7 +171,7 @@ def simulate(
     )
     loaded = ship_for(chosen, stated, speed, settings, extrapolate=extrapolate)
     calm = wave_height is None and not any(around.values())
-    conditions = Conditions() if calm else Conditions(**around)
+    conditions = None if calm else Conditions(**around)
     ready = prepared(loaded, speed, fn, conditions=conditions, extrapolate=extrapolate)
     plan = chosen.plan(
         speed / ready.L, speed=speed, wind=wind_speed > 0.0, bucket=loaded.has_bucket, **settings
@@ -289,6 +290,7 @@ def stopping_ship(
     return ship, assumed(ship, None if turns.name in settings else turns)
 
 
+@lru_cache(maxsize=64)
 def has_linear_hull(model: Model) -> bool:
     """Whether nothing but terms linear in v and r gives the hull's side force and moment.
 
