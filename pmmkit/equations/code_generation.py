@@ -109,6 +109,7 @@ def module_text(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -
     return "\n".join((*module_parts(structure, files), ""))
 
 
+@cache
 def module_parts(structure: EquationStructure, files: tuple[str, ...]) -> tuple[str, str]:
     """The text of a module in two parts: that of functions of lists, and that of arrays."""
     lines = ["import math", "from math import atan2, cos, fabs, sin, sqrt"]

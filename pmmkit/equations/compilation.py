@@ -101,7 +101,7 @@ def is_compiled(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -
 def is_loaded(structure: EquationStructure, files: tuple[str, ...] = ENGINE) -> bool:
     """Whether this session has compiled a manoeuvre of a structure, or fetched it from the disk."""
     module = sys.modules.get(_name(structure, files))
-    return bool(module and getattr(module.run, "signatures", ()))
+    return bool(module and getattr(module.run, "overloads", ()))
 
 
 @cache

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
@@ -82,12 +82,13 @@ _INTERPRETED: Final[Counter[EquationStructure]] = Counter()
 never on a number."""
 
 
-def _pays(structure: EquationStructure, steps: int) -> bool:
-    """Whether compiled functions take less time than so many interpreted steps: those that the
-    session has loaded always do."""
-    if is_loaded(structure) or steps >= ENOUGH:
+def _pays(structure: EquationStructure, to_come: int = 0) -> bool:
+    """Whether compiled functions take less time than the interpreted steps so far and those to
+    come: those that the session has loaded always do."""
+    if is_loaded(structure):
         return True
-    return steps >= FEW and is_compiled(structure)
+    steps = _INTERPRETED[structure] + to_come
+    return steps >= ENOUGH or (steps >= FEW and is_compiled(structure))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -223,9 +224,10 @@ class DenseHistory:
         return np.empty(size) if self.fast else [0.0] * size
 
 
+@lru_cache(maxsize=64)
 def settings_for(
     L: float, speed: float, gear: Gear, rtol: float, revolutions: Revolutions = None
-) -> list[float]:
+) -> tuple[float, ...]:
     """The settings of the integrator, in the order of `SettingField`."""
     values = {
         SettingField.rtol: rtol,
@@ -240,7 +242,7 @@ def settings_for(
         SettingField.revolutions: -1.0 if revolutions == "speed" else revolutions or 0.0,
         SettingField.fastest: FASTEST * speed,
     }
-    return [values[place] for place in SettingField]
+    return tuple(values[place] for place in SettingField)
 
 
 def run_plan(
@@ -283,14 +285,14 @@ def run_plan(
     """
     asked = fast
     if fast is None:
-        fast = _pays(ready.structure, _INTERPRETED[ready.structure])
+        fast = _pays(ready.structure)
     functions = ready.functions(fast=fast)
-    settings: Any = settings_for(ready.L, ready.speed, gear, rtol, revolutions)
+    given = settings_for(ready.L, ready.speed, gear, rtol, revolutions)
+    settings: Any = np.array(given) if fast else list(given)
     orders: Any = plan.orders_array if fast else plan.orders
     count = len(plan.phases)
-    events: Any = [0.0] * (len(EventField) * (count + 1))
-    if fast:
-        settings, events = np.array(settings), np.zeros(len(events))
+    marks = len(EventField) * (count + 1)
+    events: Any = np.zeros(marks) if fast else [0.0] * marks
     stride = functions.STRIDE
     room = ROOM
     while True:
@@ -309,8 +311,7 @@ def run_plan(
         if status != Status.no_room or room >= MOST:
             break
         room *= 4
-        to_come = _INTERPRETED[ready.structure] + room
-        if asked is None and not fast and _pays(ready.structure, to_come):
+        if asked is None and not fast and _pays(ready.structure, room):
             return run_plan(ready, plan, gear, rtol=rtol, fast=True, revolutions=revolutions)
     if status != Status.done:
         last = steps[stride * (kept - 1) + StepField.begin] if kept else 0.0

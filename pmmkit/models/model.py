@@ -378,7 +378,7 @@ class Model(Described):
         made = self.with_(parts=MappingProxyType(parts))
         return made.stepped(Step(action="noted", note=ASTERN))
 
-    @property
+    @cached_property
     def has_bucket(self) -> bool:
         """Whether a bucket turns the thrust astern, as that of a waterjet does."""
         return any("bucket" in part.known.needs for part in self.parts.values())
@@ -428,7 +428,7 @@ class Model(Described):
         tested = tuple(self.ship.speed(Fn, self.water.g) for Fn in self.Fn)
         return tuple(sorted({*tested, min(speed, tested[0]), max(speed, tested[-1])}))
 
-    @property
+    @cached_property
     def steering(self) -> Mapping[str, float]:
         """Rate [deg/s] and largest angle [deg] of what steers, where the model states them."""
         found: dict[str, float] = {}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, Final
 
 import numpy as np
@@ -93,8 +93,8 @@ class Standing:
     tested: tuple[float, ...] = ()
     heavy: str = ""
 
-    @classmethod
-    def of(cls, model: Model, speed: float) -> Standing:
+    @staticmethod
+    def of(model: Model, speed: float) -> Standing:
         """What the numbers of a model stand on.
 
         Parameters
@@ -116,27 +116,7 @@ class Standing:
         >>> Standing.of(made, 12.35).hull, Standing.of(made, 12.35).estimated
         (True, ('propulsion', 'steering'))
         """
-        hull = model.parts.get(HULL)
-        across = [] if hull is None else [hull.source_of(x) for x in hull.values if x[0] in "YN"]
-        both = [] if hull is None else [hull.source_of(x) for x in hull.values if _together(x)]
-        guessed = _empirical(across)
-        return cls(
-            forced=model.not_usable,
-            hull=guessed,
-            coupled=not guessed and _empirical(both),
-            uncoupled=bool(across) and not model.acts_across(lambda v, r: v and r),
-            estimated=tuple(
-                role
-                for role in SAILING
-                if any(_guessed(x) for x in model.parts.values() if x.known.serves(role))
-            ),
-            reversed=any(
-                "n" in part.known.states and part.assumed() for part in model.parts.values()
-            ),
-            Fn=model.ship.froude(speed, model.water.g),
-            tested=tuple(model.Fn),
-            heavy=_resistance_of_a_model(model, speed),
-        )
+        return _standing(model, float(speed))
 
     @property
     def outside(self) -> float:
@@ -224,6 +204,29 @@ class Standing:
             "outside": self.outside,
             "sentences": list(self.sentences),
         }
+
+
+@lru_cache(maxsize=64)  # of the same model every manoeuvre asks again
+def _standing(model: Model, speed: float) -> Standing:
+    hull = model.parts.get(HULL)
+    across = [] if hull is None else [hull.source_of(x) for x in hull.values if x[0] in "YN"]
+    both = [] if hull is None else [hull.source_of(x) for x in hull.values if _together(x)]
+    guessed = _empirical(across)
+    return Standing(
+        forced=model.not_usable,
+        hull=guessed,
+        coupled=not guessed and _empirical(both),
+        uncoupled=bool(across) and not model.acts_across(lambda v, r: v and r),
+        estimated=tuple(
+            role
+            for role in SAILING
+            if any(_guessed(x) for x in model.parts.values() if x.known.serves(role))
+        ),
+        reversed=any("n" in part.known.states and part.assumed() for part in model.parts.values()),
+        Fn=model.ship.froude(speed, model.water.g),
+        tested=tuple(model.Fn),
+        heavy=_resistance_of_a_model(model, speed),
+    )
 
 
 def _empirical(sources: Sequence[str]) -> bool:

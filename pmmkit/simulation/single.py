@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import fields, replace
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Literal
@@ -170,7 +171,7 @@ def simulate(
     )
     loaded = ship_for(chosen, stated, speed, settings, extrapolate=extrapolate)
     calm = wave_height is None and not any(around.values())
-    conditions = Conditions() if calm else Conditions(**around)
+    conditions = None if calm else Conditions(**around)
     ready = prepared(loaded, speed, fn, conditions=conditions, extrapolate=extrapolate)
     plan = chosen.plan(
         speed / ready.L, speed=speed, wind=wind_speed > 0.0, bucket=loaded.has_bucket, **settings
@@ -197,7 +198,7 @@ def simulate(
     more += [step.note for step in reversed(loaded.steps[len(stated.steps) :])]
     heavy = Standing.of(stated, speed).heavy if chosen.reverses else ""
     more += [heavy] if heavy else []
-    return replace(track, notes=(*track.notes, *more), standing=Standing.of(loaded, speed))
+    return replace(track, notes=(*track.notes, *more)) if more else track
 
 
 def wave_height_of(model: Model, stated: float | None = None) -> float:
@@ -289,6 +290,7 @@ def stopping_ship(
     return ship, assumed(ship, None if turns.name in settings else turns)
 
 
+@lru_cache(maxsize=64)
 def has_linear_hull(model: Model) -> bool:
     """Whether nothing but terms linear in v and r gives the hull's side force and moment.
 
@@ -362,12 +364,14 @@ def gear_of(model: Model, plan: Plan, pace: float, rate_deg: float | None, lag: 
         raise DataError(
             f"Model {model.name!r} states no rate of the steering gear; give rudder_rate_deg."
         )
-    shaft = any("n" in part.known.states for part in model.parts.values())
-    usual = Gear.INSTANT if shaft else pace / Gear.REVERSAL
+    turning = plan.revolutions_rate
+    if turning is None:
+        shaft = any("n" in part.known.states for part in model.parts.values())
+        turning = Gear.INSTANT if shaft else pace / Gear.REVERSAL
     return Gear(
         rudder_rate=math.radians(rate) if rate is not None else Gear.INSTANT,
         rudder_lag=lag,
-        revolutions_rate=usual if plan.revolutions_rate is None else plan.revolutions_rate,
+        revolutions_rate=turning,
         bucket_rate=pace / Gear.REVERSAL if plan.bucket_rate is None else plan.bucket_rate,
     )
 
@@ -399,12 +403,15 @@ def track_of(
         notes=tuple(notes),
         orders=history.begins,
         settings=MappingProxyType(dict(settings)),
+        standing=Standing.of(model, ready.speed),
     )
 
 
 def _notes(history: DenseHistory) -> list[str]:
     plan, notes = history.plan, []
     for phase, ended in zip(plan.phases, history.finished, strict=True):
+        if ended:
+            continue
         waited = {
             End.heading: f"the heading does not reach {math.degrees(phase.level):g}°",
             End.steady_turn: f"the heading does not reach {math.degrees(phase.level):g}°",
@@ -413,10 +420,10 @@ def _notes(history: DenseHistory) -> list[str]:
             if phase.level
             else "the ship does not stop",
         }
-        if phase.until in waited and not ended:
+        if phase.until in waited:
             notes.append(f"Within {phase.longest:.4g} s {waited[phase.until]}.")
             break
-        if phase.until == End.steady and not ended:
+        if phase.until == End.steady:
             notes.append(f"The motion is not steady within {phase.longest:.4g} s.")
             break
     if plan.settles and not notes:

@@ -365,7 +365,7 @@ class LlvmWriter:
             raise Unwritable("a list whose length is not known beforehand")
         self.room.append(f"{room} = alloca [{size.known} x double], align 64")
         length = 8 * size.known
-        self._program.declared("declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)")
+        self._program.declared("void", "llvm.memset.p0.i64", "(ptr, i8, i64, i1)")
         self.lines.append(
             f"call void @llvm.memset.p0.i64(ptr align 64 {room}, i8 0, i64 {length}, i1 false)"
         )
@@ -439,7 +439,7 @@ class LlvmWriter:
 
     def _outer(self, name: str, given: Sequence[Value], told: str) -> Value:
         kinds = ", ".join(["double"] * len(given))
-        self._program.declared(f"declare double @{name}({kinds}){told}")
+        self._program.declared("double", name, f"({kinds}){told}")
         values = ", ".join(f"double {self._double(item)}" for item in given)
         return Value(self.new(f"call double @{name}({values})"), DOUBLE)
 

@@ -114,7 +114,7 @@ class LlvmLibrary(Protocol):
     def table(self, value: Sequence[Any]) -> Value:
         """Numbers that stand in a module."""
 
-    def declared(self, line: str) -> None:
+    def declared(self, result: str, name: str, rest: str) -> None:
         """Note a function of LLVM or of the C library."""
 
     def long_loop(self) -> str:

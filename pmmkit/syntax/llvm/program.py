@@ -42,7 +42,7 @@ class LlvmProgram:
         self._prefix = prefix
         self._done: dict[tuple[Any, tuple[Kind, ...]], tuple[str, Kind] | None] = {}
         self._tables: dict[tuple[Kind, str], str] = {}
-        self._declared: set[str] = set()
+        self._declared: dict[str, str] = {}
         self._parts: list[str] = []
         self._loops: list[str] = []
 
@@ -82,13 +82,12 @@ class LlvmProgram:
     @property
     def text(self) -> str:
         """The module."""
-        return "\n".join([*sorted(self._declared), *self._parts, *self._loops])
+        return "\n".join([*sorted(self._declared.values()), *self._parts, *self._loops])
 
     @property
     def outer(self) -> list[str]:
         """Functions of the C library that it calls by their names."""
-        names = (line.partition("@")[2].partition("(")[0] for line in self._declared)
-        return sorted(name for name in names if not name.startswith("llvm."))
+        return sorted(name for name in self._declared if not name.startswith("llvm."))
 
     def long_loop(self) -> str:
         """Mark of a loop over many places, which LLVM may make vectors of.
@@ -100,9 +99,9 @@ class LlvmProgram:
         self._loops.append(f'!{at} = distinct !{{!{at}, !{{!"llvm.loop.unroll.disable"}}}}')
         return f", !llvm.loop !{at}"
 
-    def declared(self, line: str) -> None:
+    def declared(self, result: str, name: str, rest: str) -> None:
         """Note a function of LLVM or of the C library."""
-        self._declared.add(line)
+        self._declared[name] = f"declare {result} @{name}{rest}"
 
     def table(self, value: Sequence[Any]) -> Value:
         """Numbers that stand in a module; rows of equal length are a table of tables."""
