@@ -436,7 +436,7 @@ class Model(Described):
             if part.known.parameter("rate_deg_s") is not None:
                 values = self.values(name, self.Fn[0] if self.Fn else None)
                 found |= {key: values[key] for key in ("rate_deg_s", "max_deg") if key in values}
-        return found
+        return MappingProxyType(found)
 
     @property
     def heeled(self) -> tuple[str, ...]:
