@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -18,7 +19,7 @@ from pmmkit.campaigns.stated_run import StatedRun
 from pmmkit.conventions import CHANNEL_UNITS
 from pmmkit.effects import State
 from pmmkit.files import Origin, local_copy
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, even_clock
 from pmmkit.presentation import Described, Section, number
 from pmmkit.readers import Request, reader_for, recognise
 
@@ -97,7 +98,15 @@ class Run(StatedRun, Described):
         dimension ``harmonic`` (0, 1, 2 …) and variables ``X_cos``, ``X_sin`` …: θ = ωt with the
         motion ∝ sin θ, cosines in phase with the velocity, ``X_cos`` at 0 the mean.
         """
-        return self.loader()
+        data = self.loader()
+        if "t" not in data.coords:
+            return data
+        clock, notes = told_evenly(data["t"].values)  # records in memory; files are told already
+        if not notes:
+            return data
+        said = [*json.loads(data.attrs.get("conversions", "[]")), *notes]
+        data = data.assign_coords(t=("t", clock, data["t"].attrs))
+        return data.assign_attrs(conversions=json.dumps(said, ensure_ascii=False))
 
     @property
     def requests(self) -> tuple[Request, ...]:
@@ -421,6 +430,15 @@ class Run(StatedRun, Described):
             Section(title="Corrections", points=done),
         ]
         return [Section(paragraphs=told), *(section for section in lists if section.points)]
+
+
+def told_evenly(times: Array) -> tuple[Array, list[str]]:
+    """Times; where stamps stand twice the even clock that they tell, with a note that says so."""
+    clock = even_clock(times)
+    if clock is None:
+        return times, []
+    step = float(clock[1] - clock[0])
+    return clock, [f"stamps of t stand twice: the even clock of {step:.5g} s that they tell"]
 
 
 def _stated(runs: Sequence[Run]) -> dict[str, str]:

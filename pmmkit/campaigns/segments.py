@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Final
@@ -291,7 +291,7 @@ def usable(
     segments = tuple(
         run.with_(
             id=run.id if whole else f"{run.id}/{number}",
-            loader=_Part(run.loader, kept[part], heading[part], fresh[part]),
+            loader=_Part(run, kept[part], heading[part], fresh[part]),
         )
         for number, part in enumerate(long, start=1)
     )
@@ -302,13 +302,13 @@ def usable(
 class _Part:
     """Loads the samples of a segment."""
 
-    loader: Callable[[], xr.Dataset]
+    run: Run
     places: Places
     heading: Array
     fresh: Flags
 
     def __call__(self) -> xr.Dataset:
-        data = self.loader().isel(t=self.places)
+        data = self.run.data.isel(t=self.places)
         psi = ("t", self.heading, data["psi"].attrs)
         return data.assign(psi=psi, fresh=("t", self.fresh))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any, Final
 
@@ -276,6 +276,13 @@ class EmpiricalFormula:
             for own in by_channel
             if own
         )
+
+    def with_titles(self, titles: Mapping[str, str]) -> EmpiricalFormula:
+        """The same with the effects that it stands beside, or instead of, by their titles."""
+        beside, instead = (
+            tuple(titles.get(name, name) for name in own) for own in (self.beside, self.instead)
+        )
+        return replace(self, beside=beside, instead=instead)
 
     def remarks(self) -> list[str]:
         """What is to be said of it."""

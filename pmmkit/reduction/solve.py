@@ -113,7 +113,7 @@ def join(
                 key = (_DRAWN, kind, run, "" if _kind(kind) == "drift" else item.channel)
                 columns.setdefault(key, np.zeros(total))[span] += column
             changes = sensitivities[run]
-            moves = residuals(changes, item.channel, values) if changes else np.zeros((0, 0))
+            moves = residuals(changes, item.channel, values)
             for number, (change, shift) in enumerate(
                 zip(changes, np.nan_to_num(moves), strict=True)
             ):

@@ -422,9 +422,7 @@ class Desk:
                     raise DataError(f"{parts} cannot lend propeller and rudder; {can}.")
                 state = replace(state, parts=parts)
             more = {"model": state.model or self.structure, "parts": state.parts or None}
-            job = self._worker.start("again", self._asked(state) | more)
-            self._change(replace(state, revision=state.revision + 1))
-            return job
+            return self._worker.start("again", self._asked(state) | more)
 
     def correct(
         self, revision: int, run: str, write: Callable[[Campaign, str], None], of: int = 0
@@ -578,6 +576,11 @@ class Desk:
             with self._changing:
                 effects = (*job.asked["work"].effects, job.asked["effect"])
                 self._change(self._opened().with_steps(steps_of(self.folder, effects)))
+        if job.name == "again":
+            with self._changing:
+                state = self._opened()
+                parts = job.asked["parts"] or ""
+                self._change(replace(state, parts=parts, revision=state.revision + 1))
         # After a step the page asks itself, the waterfall first.
         if job.name in ("open", "again"):
             self.known.clear()

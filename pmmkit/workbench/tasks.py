@@ -210,25 +210,21 @@ class Tasks:
     ) -> tuple[Model, list[tuple[CheckFinding, ...]]]:
         """The base, and what the checks say of each campaign: of the one that it is reduced from
         what the reduction says, so that nothing is read twice."""
-        base = None if model in STRUCTURES else load_model(model)
-        captive = [name for name, item in tests.items() if item.kind == "captive"]
-        if base is None and not captive:
+        if model not in STRUCTURES:
+            return load_model(model), [_sound(item) for item in tests.values()]
+        first = next((name for name, item in tests.items() if item.kind == "captive"), None)
+        if first is None:
             raise DataError("Records that run free need a model: a library ship or a model file.")
-        reduced = captive[0] if base is None else None
-        found = {name: examine(item) for name, item in tests.items() if name != reduced}
-        for own in found.values():
-            refuse(own)
-        if base is None:
-            from pmmkit.api import model_of
-            from pmmkit.reduction import reduce_campaign
+        found = {name: _sound(item) for name, item in tests.items() if name != first}
+        from pmmkit.api import model_of
+        from pmmkit.reduction import reduce_campaign
 
-            reduction = reduce_campaign(
-                tests[captive[0]], structure=model, fn="pooled", progress=tell, executor=1
-            )
-            found[captive[0]] = reduction.findings
-            # Whoever opens it asks what is wrong: a model by force says so wherever it sails.
-            base = model_of(reduction, parts, force=True)
-        return base, [found[name] for name in tests]
+        reduction = reduce_campaign(
+            tests[first], structure=model, fn="pooled", progress=tell, executor=1
+        )
+        found[first] = reduction.findings
+        # Whoever opens it asks what is wrong: a model by force says so wherever it sails.
+        return model_of(reduction, parts, force=True), [found[name] for name in tests]
 
     def _session(self, work: Work, tell: Tell) -> Session[Any]:
         """The session of these steps; the tests are looked at once."""
@@ -252,6 +248,13 @@ class Tasks:
                 session = session.add(step, step.note)
             self._sessions[key] = session
         return self._sessions[key]
+
+
+def _sound(tests: Campaign) -> tuple[CheckFinding, ...]:
+    """What the checks say of tests; refused where they contradict themselves."""
+    found = examine(tests)
+    refuse(found)
+    return found
 
 
 def _save_checks(place: Path, checked: Sequence[Sequence[CheckFinding]]) -> None:

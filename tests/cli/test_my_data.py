@@ -123,6 +123,25 @@ def test_free_running_records_are_measured_and_lead_to_a_model(files, desk, caps
     assert told["next"] == "pmmkit card form"  # a ship of no library becomes a model by her card
 
 
+@pytest.mark.slow
+def test_a_comparison_comes_next_only_where_the_revolutions_are_named(files, desk, capsys):
+    shutil.copytree(files / "trial", desk / "trial")
+    for file in (desk / "trial").iterdir():
+        file.write_text(file.read_text().replace("Revolutions [rpm]", "Gauge"))
+    status, told, words = said(capsys, "demo", "--my-data", "trial", "--ship", "kvlcc2-l7")
+    (asked,) = [x for x in told["questions"] if x["key"] == "columns.n"]
+    assert (status, len(told["result"]["runs"]), asked["kind"]) == (0, 3, "needed")
+    assert "stop  1 answer below must be given first" in words
+    assert told["next"] == "pmmkit demo --my-data trial-first"
+    file = desk / "trial-first" / "campaign.toml"
+    lines = file.read_text().splitlines()
+    lines[asked["lines"][0] - 1] = 'n = { name = "Gauge", unit = "rpm" }'
+    file.write_text("\n".join(lines))
+    told = said(capsys, "demo", "--my-data", "trial-first")[1]
+    assert told["next"] == "pmmkit compare kvlcc2-l7 trial-first"
+    assert main(told["next"].split()[1:]) == 0
+
+
 def test_a_draft_that_is_there_is_never_replaced(files, desk, capsys):
     status, _, words = said(capsys, "demo", "--my-data", files / "trial", "--out", "mine")
     assert status == 0

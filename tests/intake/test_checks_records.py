@@ -123,6 +123,14 @@ def test_even_times_are_silent_also_when_written_with_few_digits():
     assert said(examine(campaign_of([sway(step=0.05)])), "time stamps") == []
 
 
+@pytest.mark.parametrize("decimals", [0, 1])
+def test_rounded_stamps_of_a_record_in_memory_tell_its_even_clock(decimals):
+    exact = sway(step=1 / 30).data["t"].values
+    run = sway(retimed(lambda t: np.round(t, decimals)), step=1 / 30)
+    assert said(examine(campaign_of([run])), "time stamps") == []
+    np.testing.assert_allclose(run.data["t"], exact, atol=0.1 * 10.0**-decimals)
+
+
 def test_a_force_cut_off_at_its_limit():
     def clipped(run, data):
         limit = 0.8 * float(np.abs(data["Y"]).max())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -171,6 +172,11 @@ def test_a_formula_stands_there_to_be_taken_as_effects_of_ones_own(bare):
     found = session.diagnose()
     told = page_of(found, session)["formula"]
     assert told["remarks"] == found.formula.remarks()
+    beside = replace(found.formula, beside=("yaw_sway_coupling", "my_own_effect"))
+    page = page_of(replace(found, formula=beside), session)
+    words = "It stands beside Yaw–sway coupling and my_own_effect."
+    assert words in page["formula"]["remarks"]
+    assert words in page["remarks"]
     made = [own_effect(**item) for item in told["effects"]]
     assert [tuple(item.typical) for item in made] == [("Xvrrr",), ("Yvrr|r|",)]
 

@@ -127,6 +127,17 @@ def test_a_ship_of_the_same_form_lends_propeller_and_rudder_and_takes_them_back(
     assert load_model(desk.folder / "model_0.toml").parts == own.parts
 
 
+def test_work_that_is_cancelled_leaves_the_ship_with_the_propeller_and_rudder_she_has(browser):
+    before = browser.get("/api/state").json
+    asked = {"revision": before["revision"], "parts": "s175-3dof"}
+    assert browser.post("/api/again", asked).status == 200
+    browser.post("/api/cancel", {})
+    assert browser.get("/api/range").json["parts"] == ""
+    after = browser.get("/api/state").json
+    assert after["commands"] == before["commands"]
+    assert after["revision"] == before["revision"]
+
+
 def test_who_cannot_lend_is_told_and_nothing_changes(browser):
     revision = browser.get("/api/state").json["revision"]
     answer = browser.post("/api/again", {"revision": revision, "parts": "kvlcc2"})

@@ -253,7 +253,19 @@ def _measured(way: DraftProgress, campaign: Campaign, results: Path) -> DraftPro
     then = f"pmmkit compare {known[0]} {quoted(way.place)}" if known else "pmmkit card form"
     result = trial(TrialSettings(campaign=way.file, out=results))
     measured = f"{len(result.content['runs'])} manoeuvres"
-    return replace(way, result=result, then=then).after("measure", measured)
+    way = replace(way, result=result, then=then).after("measure", measured)
+    lacking = [x for x in way.questions if x.key in _OF_A_MODEL and x.kind != "guessed"]
+    if not (known and lacking):
+        return way
+    asked = tuple(
+        replace(x, kind="needed" if x in lacking else "off") if x.kind != "guessed" else x
+        for x in way.questions
+    )
+    return replace(way, questions=asked, stopped="No model is compared without them.")
+
+
+_OF_A_MODEL: Final = ("columns.delta", "columns.n")
+"""Lines of records without which no model is compared with them."""
 
 
 def _told(way: DraftProgress) -> Outcome:

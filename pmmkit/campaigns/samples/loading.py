@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pmmkit.base import CampaignError, DataError, Problem
 from pmmkit.campaigns.campaign import Campaign
 from pmmkit.campaigns.motion.hull_path import PLACE, recorded_in
-from pmmkit.campaigns.run import Run, at_hand
+from pmmkit.campaigns.run import Run, at_hand, told_evenly
 from pmmkit.campaigns.samples.column_mapping import GAUGES, ColumnSpec, Picked, pick, unread
 from pmmkit.campaigns.samples.conversions import (
     Frame,
@@ -37,7 +37,7 @@ from pmmkit.conventions import (
     channel_of,
     unit_factor,
 )
-from pmmkit.numerics import Array, dead_reckoned, even_clock
+from pmmkit.numerics import Array, dead_reckoned
 from pmmkit.presentation import listed, with_uncertainty
 from pmmkit.readers import Columns, Request, reader_for
 from pmmkit.signals import FEWEST, head_rest, steady_mean
@@ -423,10 +423,6 @@ class HistoryLoader:
         if rate is not None:
             values["t"] = _counted_time(read, rate, request)
             notes.append(f"t counted from 0 at {rate:g} samples a second")
-        elif (clock := even_clock(values["t"])) is not None:
-            step = float(clock[1] - clock[0])
-            values["t"] = clock
-            notes.append(f"stamps of t stand twice: the even clock of {step:.5g} s that they tell")
         return dataset(
             "history",
             values,
@@ -567,6 +563,9 @@ def dataset(
     if wrong is not None:
         raise request.error(wrong, remedy="Write degrees with decimals, west and south negative.")
     values, summed = _summed(values, context, request)
+    if kind == "history":
+        values["t"], evened = told_evenly(values["t"])
+        said += evened
     said += summed
     on_earth = {"lat", "lon"} <= set(values) and not {"x", "y"} & set(values)
     compass: dict[str, Array] = {

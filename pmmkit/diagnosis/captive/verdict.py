@@ -393,13 +393,9 @@ def about(system: System, names: Sequence[str]) -> tuple[System, tuple[Candidate
     return system, refined(system, taken_as_given(system, names)[-1])
 
 
+@one_thread()
 def told(ranking: RankedSets, given: Sequence[str], *, floor: float) -> Diagnosis:
     """What a ranking says: a verdict, and the effects with their rivals."""
-    with one_thread():
-        return _told(ranking, tuple(given), floor)
-
-
-def _told(ranking: RankedSets, given: tuple[str, ...], floor: float) -> Diagnosis:
     system, beside, used, known = ranking.system, ranking.beside, ranking.used, ranking.known
     sets, entries, chance, best = ranking.sets, ranking.at_home, ranking.chance, ranking.best
     covered = ranking.covered
@@ -450,7 +446,7 @@ def _told(ranking: RankedSets, given: tuple[str, ...], floor: float) -> Diagnosi
         entries=tuple(ranking.entries),
         floor=floor,
         base=system.base.values,
-        given=given,
+        given=tuple(given),
         suspected=tuple(item.suspect for item in hanging),
         nearest=nearest,
         disagreements=apart,

@@ -70,13 +70,9 @@ HEADING: Final = "heading"
 """The error of records that a step tells [deg]."""
 
 
+@one_thread()
 def refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -> Model:
     """The model with its uncertain values and effects fitted together, a step for each."""
-    with one_thread():
-        return _refitted(system, begun, steps)
-
-
-def _refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) -> Model:
     every = {item.name: item for item in system.every}
     names = (*begun, *(step.effect for step in steps))
     sets = [names[: len(begun) + number] for number in range(len(steps) + 1)]

@@ -26,7 +26,7 @@ _ROUNDED: Final[tuple[tuple[bool, Severity, str], ...]] = (
     (True, "error", "Time stamps repeat, and no even clock agrees with them"),
     (False, "warning", "Time stamps are rounded"),
 )
-"""Whether they repeat. What reads files has put even clocks in place of stamps that tell one."""
+"""Whether they repeat. `Run.data` has put even clocks in place of stamps that tell one."""
 
 
 def clock_facts(t: Array) -> Mapping[str, float]:

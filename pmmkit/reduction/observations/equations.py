@@ -165,6 +165,8 @@ class Sensitivity:
 
 def residuals(changes: Sequence[Sensitivity], channel: str, values: Mapping[str, float]) -> Array:
     """Changes of ``force - design @ values`` of one run in one channel, array (changes, m)."""
+    if not changes:
+        return np.zeros((0, 0))
     vector = [values.get(name, 0.0) for name in changes[0].names[channel]]
     design = np.stack([change.design[channel] for change in changes])
     return np.stack([change.force[channel] for change in changes]) - design @ vector

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any, Final
 
@@ -200,6 +201,8 @@ def missing_page(
     overlays: bool = True,
 ) -> dict[str, Any]:
     """A diagnosis with what each candidate would do, before anything is added."""
+    formula = None if found.formula is None else found.formula.with_titles(CATALOGUE.titles)
+    found = replace(found, formula=formula)
     own = {item.name: item for item in session.evidence.own}
     named = {name for names, _ in found.group for name in names}
     findings = {item.effect: item for item in found.findings}
