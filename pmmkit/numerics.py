@@ -226,6 +226,8 @@ _DECIMALS: Final = 0.6
 _DIGITS: Final = 1.0
 """What stamps may miss the clock by, over the worth of their last digit. Rounded ones miss by half
 of it; those of MARIN's turns of the KVLCC2, with three digits, by 0.5 to 0.8."""
+_ROUNDING: Final = 0.5 + 1e-6
+"""What rounding alone makes stamps miss their clock by, over the worth of their last digit."""
 _OFTEN: Final = 0.1
 """Share of steps that are nought, at least: a row that was written twice tells no rounding."""
 
@@ -255,7 +257,28 @@ def even_clock(times: Array) -> Array | None:
         clock: Array = lines @ np.linalg.lstsq(lines / last[:, None], times / last, rcond=None)[0]
         if np.max(np.abs(times - clock) / last) < within:
             return clock
-    return None
+    # Least squares miss a clock whose stamps were all rounded to one side over a stretch.
+    clock, miss = _nearest_clock(times, coarse)
+    return clock if miss < _ROUNDING else None
+
+
+def _nearest_clock(times: Array, last: Array) -> tuple[Array, float]:
+    """The even clock that misses no stamp by more than it must, over the worth of its last digit,
+    and by how much."""
+    from scipy.optimize import linprog
+
+    lines = np.stack([np.ones(len(times)), np.arange(len(times))], axis=1) / last[:, None]
+    most = -np.ones((len(times), 1))
+    found = linprog(
+        [0.0, 0.0, 1.0],
+        A_ub=np.block([[lines, most], [-lines, most]]),
+        b_ub=np.concatenate([times / last, -times / last]),
+        bounds=[(None, None), (None, None), (0.0, None)],
+    )
+    if not found.success:
+        return times, math.inf
+    clock: Array = last * (lines @ found.x[:2])
+    return clock, float(np.max(np.abs(times - clock) / last))
 
 
 def dead_reckoned(
