@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pmmkit.base import DataError
+from pmmkit.base import DataError, Remedy, Way
 from pmmkit.numerics import Array
 from pmmkit.signals.fourier import (
     CycleSums,
@@ -131,13 +131,20 @@ def whole_cycles(
         if np.diff(edges).min() < 2 * REMOVED + 2:
             raise DataError(
                 f"A cycle has only {np.diff(edges).min()} samples: at least {2 * REMOVED + 2} "
-                "are needed to compare cycles. State the cycles to use."
+                "are needed to compare cycles.",
+                remedy=_ASKED,
             )
         basis = basis_of(phase, theta, REMOVED)
         known = sums or CycleSums.of(values, basis.rows, edges)
         first, last = _settled(basis, values, known.up_to(REMOVED))
         reason = _reason(first, last, total, covered)
     return Cycles(int(edges[first]), int(edges[last]), last - first, first, reason)
+
+
+_ASKED: Final = Remedy(
+    "Reduce with {}, which takes these cycles as they are, or leave the run out.",
+    (Way("cycles=(2, 3)", "--cycles 2-3"),),
+)
 
 
 def _asked(cycles: int | tuple[int, int], total: int, covered: float) -> tuple[int, int]:

@@ -164,6 +164,38 @@ def test_samples_that_jump_away_and_come_back(size, places, count, severity):
     assert (found.severity, found.runs, found.channels) == (severity, ("PS",), ("Y",))
 
 
+def test_one_sample_in_a_hundred_that_jumps_hides_no_other_and_is_no_noise():
+    noise = []
+    for size in (60.0, 600.0):
+        run = sway(torn(size, range(20, 600, 100)))
+        (found,) = said(examine(campaign_of([run])), "spikes")
+        assert (found.severity, found.numbers["spikes"]) == ("warning", 6)
+        noise.append(found.numbers["noise"])
+    assert noise[1] < 2.0 * noise[0] < found.numbers["shift"]
+
+
+def test_samples_that_jump_are_told_where_what_counts_holds_none_of_them():
+    run = run_of("SD", "static_drift", change=torn(60.0, (50, 150)), step=0.3)
+    (found,) = said(examine(campaign_of([run])), "spikes")
+    assert found.numbers["spikes"] == 2
+    assert found.message.endswith(
+        "What counts of the record holds none of them, and may be short for them."
+    )
+
+
+def test_a_steady_run_whose_force_grows_to_its_end():
+    def growing(run, data):
+        return data.assign(Y=data["Y"] * (1 + data["t"] / 120))
+
+    runs = [
+        run_of("A", "static_drift", drift=0.14, change=growing),
+        run_of("B", "static_drift", drift=0.14),
+    ]
+    (found,) = said(examine(campaign_of(runs)), "steady")
+    assert found.message.startswith("Nothing steady was found in A: ")
+    assert (found.severity, found.runs) == ("warning", ("A",))
+
+
 @pytest.mark.parametrize("change", [torn(6.0, (300,)), torn(60.0, range(300, 340)), None])
 def test_noise_and_steps_are_no_spikes(change):
     assert said(examine(campaign_of([sway(change)])), "spikes") == []
@@ -175,7 +207,17 @@ def test_rows_that_an_even_record_lacks():
 
     (found,) = said(examine(campaign_of([sway(lacking)])), "time stamps")
     assert found.severity == "info"
-    assert found.message.startswith("Rows of even records are missing: 3 in PS")
+    assert found.message == (
+        "Rows of even records are missing: 3 in PS, which else has one each 0.100 s."
+    )
+
+
+@pytest.mark.parametrize("count", [15, 16, 17])
+def test_a_record_shorter_than_a_cycle_is_refused_however_few_its_samples(count):
+    (found,) = said(
+        examine(campaign_of([sway(lambda _, data: data.isel(t=slice(count)))])), "time stamps"
+    )
+    assert found.severity == "error"
 
 
 def test_a_force_written_with_few_digits_is_not_cut_off():

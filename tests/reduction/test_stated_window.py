@@ -9,7 +9,7 @@ from small_campaign import write_campaign
 from pmmkit import open_campaign
 from pmmkit.base import CampaignError
 from pmmkit.intake import summarise
-from pmmkit.reduction import PreparedRun, View
+from pmmkit.reduction import PreparedRun, View, reduce_campaign
 
 STATIC, SWAY = "SD_U1_b+08", "PS_U1_a0.3"
 
@@ -72,3 +72,15 @@ def test_a_window_without_samples_is_refused_with_what_there_is(folder, start, e
 
     with pytest.raises(CampaignError, match=said):
         reduced()
+
+
+def test_cycles_that_are_too_few_samples_to_compare_count_where_they_are_asked_for(folder):
+    """Eight samples a cycle carry a first harmonic; which cycles are sound they do not tell."""
+    campaign = open_campaign(folder)
+    run = campaign[SWAY]
+    coarse = campaign.with_(runs=(run.with_(loader=lambda: run.data.isel(t=slice(0, None, 31))),))
+    with pytest.raises(CampaignError, match="only 8 samples"):
+        reduce_campaign(coarse, structure="linear", executor=1)
+    asked = reduce_campaign(coarse, structure="linear", cycles=(2, 3), executor=1)
+    whole = reduce_campaign(campaign.with_(runs=(run,)), structure="linear", executor=1)
+    assert asked.table["Yv"].item() == pytest.approx(whole.table["Yv"].item(), rel=0.1)

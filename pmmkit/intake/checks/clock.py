@@ -57,6 +57,7 @@ def clock_facts(t: Array) -> Mapping[str, float]:
     even = float(np.mean(np.abs(steps - typical) <= 0.01 * typical))
     return facts | {
         "step": mean,
+        "usual_step": typical,
         "backwards": float(np.count_nonzero(steps < 0)),
         "repeats": float(np.count_nonzero(steps == 0)),
         "gaps": float(np.count_nonzero(steps > GAP * typical)) if typical else 0.0,
@@ -107,7 +108,7 @@ def examine_clock(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
         [item for item in sound if item.facts.get("lost")],
         lambda item: (
             f"{item.facts['lost']:.0f} in {item.run.id}, which else has one each "
-            f"{figure(item.facts['step'])} s"
+            f"{figure(item.facts['usual_step'])} s"
         ),
         "Rows of even records are missing",
         "Nothing, if the times are true: means and harmonics are taken on them. If the times were "

@@ -22,14 +22,14 @@ from pmmkit.intake.checks.finding import EMPTY, Summary
 from pmmkit.intake.checks.free_running import record_facts
 from pmmkit.intake.checks.gauges import change_facts, hold_facts
 from pmmkit.intake.checks.late import late_facts
-from pmmkit.intake.checks.record import flat_facts, spike_facts
+from pmmkit.intake.checks.record import flat_facts, spike_facts, without_spikes
 from pmmkit.intake.checks.rest import rest_facts
 from pmmkit.intake.checks.signs import axis_facts
 from pmmkit.intake.checks.stated import set_facts
 from pmmkit.intake.checks.static import SWINGS, wave_facts
 from pmmkit.intake.checks.track import free_facts, motion_facts
 from pmmkit.numerics import Array
-from pmmkit.signals import CycleSums, FourierBasis, Window
+from pmmkit.signals import FEWEST, CycleSums, FourierBasis, Window
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -139,7 +139,9 @@ def _of_history(
         if name in data and data.variables[name].dims == ("t",)
     }
     columns = {
-        name: part for name, part in columns.items() if np.count_nonzero(np.isfinite(part)) > 16
+        name: part
+        for name, part in columns.items()
+        if np.count_nonzero(np.isfinite(part)) >= FEWEST
     }
     present = [name for name in FORCES if name in columns]
     for name in _HULL:
@@ -192,10 +194,13 @@ def _of_history(
         if name in clean and clean.variables[name].dims == ("t",)
     ]
     waves = wave_facts(t[inside], part[present.index("X")], moved) if "X" in present else {}
-    shared["facts"] = facts | _gauge_facts(t[inside], part, None, present) | waves
+    gauges = _gauge_facts(t[inside], part, None, present) | _spike_facts(forces, present, inside)
+    told = {} if window.steady else {"unsteady_from": float(t[window.start])}
+    shared["facts"] = facts | gauges | waves | told
+    noise = _mean_noise(_calm(part, gauges, present))
     return Summary(
         means=dict(zip(present, part.mean(axis=1).tolist(), strict=True)),
-        harmonic_noise=dict(zip(present, _mean_noise(part).tolist(), strict=True)),
+        harmonic_noise=dict(zip(present, noise.tolist(), strict=True)),
         **shared,
     )
 
@@ -208,9 +213,28 @@ def _gauge_facts(
     found = {f"{name}_noise": float(size) for name, size in zip(names, jitter, strict=True)}
     for name, own in zip(names, change_facts(t, forces, theta), strict=True):
         found |= {f"{name}_{key}": value for key, value in own.items()}
-    for name, values in zip(names, forces, strict=True):
-        found |= {f"{name}_{key}": value for key, value in spike_facts(values).items()}
     return found
+
+
+def _spike_facts(
+    forces: Array, names: Sequence[str], counts: slice = slice(None)
+) -> dict[str, float]:
+    """Spikes of each channel, and how they move the mean of what counts."""
+    return {
+        f"{name}_{key}": value
+        for name, values in zip(names, forces, strict=True)
+        for key, value in spike_facts(values, counts).items()
+    }
+
+
+def _calm(forces: Array, facts: Mapping[str, float], names: Sequence[str]) -> Array:
+    """Forces without spikes, which are no noise."""
+    return np.stack(
+        [
+            without_spikes(values) if f"{name}_spikes" in facts else values
+            for name, values in zip(names, forces, strict=True)
+        ]
+    )
 
 
 def _mean_noise(part: Array) -> Array:
@@ -240,7 +264,9 @@ def _oscillating(
             part = counted.cut
             state = run.measured_motion(data, t[part], counted.kept, within=part)
     except DataError as error:
-        return Summary(refused=error.problems[0], **shared)
+        if known is None or known.counted is None:
+            return Summary(refused=error.problems[0], **shared)
+        counted, state = known.counted, known.motion  # the cycles that were asked for
     part, theta = counted.cut, counted.kept.phase
     moving = slice(counted.travel.start, counted.travel.stop)
     project = counted.kept.projector[: 2 * ORDER + 1]
@@ -248,9 +274,14 @@ def _oscillating(
     found |= _split_motion(state, project)
     found |= {f"nominal_{name}": parts for name, parts in _nominal(run).items()}
     travelled = counted.basis.within(moving)
-    single, noise = _by_cycle(travelled, forces[:, moving], counted.sums)
-    count = max(counted.cycles.count, 1)
     gauges = _gauge_facts(t[part], forces[:, part], theta, names)
+    gauges |= _spike_facts(forces[:, part], names)
+    calm, sums = forces[:, moving], counted.sums
+    if any(f"{name}_spikes" in gauges for name in names):
+        calm = _calm(calm, gauges, names)
+        sums = CycleSums.of(calm, travelled.rows, sums.edges)
+    single, noise = _by_cycle(travelled, calm, sums)
+    count = max(counted.cycles.count, 1)
     hull = [(row, name) for row, name in enumerate(names) if name in _HULL]
     balance = {name: forces[row, moving] for row, name in hull}
     late = late_facts(t[moving], travelled, balance)

@@ -164,7 +164,27 @@ def examine_waves(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
     )
 
 
+def examine_steady(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """Steady runs whose forces still change at their end, or jump about: of such a record the last
+    part counts, whatever it is."""
+    lost = [item for item in summaries if "unsteady_from" in item.facts]
+    if not lost:
+        return
+    share = f"{lost[0].run.id}" if len(lost) == 1 else f"{len(lost)} runs, such as {lost[0].run.id}"
+    yield CheckFinding(
+        check="steady",
+        severity="warning",
+        message=f"Nothing steady was found in {share}: the forces still change at the end. What "
+        f"comes after {figure(lost[0].facts['unsteady_from'])} s counts.",
+        runs=tuple(item.run.id for item in lost),
+        remedy='Look at the record. State what counts with a correction (action = "window"), or '
+        "leave the run out.",
+        numbers={"from": lost[0].facts["unsteady_from"]},
+    )
+
+
 CHECKS = (
+    Check("steady", "steady runs whose forces change to the end", examine_steady),
     Check("waves", "steady forces that swing with heave, pitch or roll", examine_waves),
     Check("sides", "drift to port against starboard, and repeats that differ", examine_sides),
 )
