@@ -47,8 +47,12 @@ class _Cache(FunctionCache):
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        with suppress(OSError):
-            super().save_overload(sig, data)
+        try:
+            with suppress(OSError):
+                super().save_overload(sig, data)
+        except RuntimeError as error:
+            # LLVM hands its code to a callback; Ctrl-C within it is lost there, and the code too.
+            raise KeyboardInterrupt from error
 
 
 class _SealedFile(IndexDataCacheFile):

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from numba.core.registry import cpu_target
 
 from pmmkit.equations.compilation import compiled
 from pmmkit.equations.compiled_cache import kept
@@ -140,3 +141,18 @@ def test_the_cache_of_another_user_is_not_loaded(tmp_path, monkeypatch):
     with pytest.warns(UserWarning, match="belongs to another user"):
         compiled.__wrapped__(prepare(load_model("kvlcc2-l7"), 1.179).structure)
     assert list((tmp_path / "cache").rglob("*.py")) == []
+
+
+def test_an_interrupt_that_took_the_machine_code_with_it_is_an_interrupt(tmp_path, monkeypatch):
+    """Ctrl-C while LLVM hands over what it has compiled leaves nothing to be kept."""
+    file = tmp_path / "doubled.py"
+    file.write_text("def doubled(x):\n    return 2.0 * x\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    from doubled import doubled
+
+    function = kept(doubled)
+    engine = cpu_target.target_context.codegen()._engine._ee
+    monkeypatch.setattr(engine, "_object_cache_notify", None)
+    with pytest.raises(KeyboardInterrupt):
+        function(1.5)
+    assert not list(tmp_path.rglob("*.nbi"))
