@@ -12,7 +12,7 @@ import xarray as xr
 from pmmkit.campaigns import Campaign, Run, Settings
 from pmmkit.conventions import Ship, Water
 from pmmkit.intake import Summary
-from pmmkit.intake.checks.stated import examine_set, set_facts
+from pmmkit.intake.checks.stated import examine_set, examine_speeds, set_facts
 from pmmkit.intake.checks.track import motion_facts
 
 DEG = math.pi / 180
@@ -155,3 +155,23 @@ def test_a_place_along_the_tank_tells_the_speed(factor: float, away: float, told
     assert bool(findings) is told
     if told:
         assert "Look at the period" in findings[0].remedy
+
+
+def at_speeds(*speeds: float):
+    items = [item(f"run{n}", facts={}, speed=speed) for n, speed in enumerate(speeds)]
+    return list(examine_speeds(EMPTY, items))
+
+
+@pytest.mark.parametrize("slip", [0.011, 60.0])
+def test_one_speed_far_from_all_others_is_told(slip: float) -> None:
+    """A Froude number of its own, whose forces are divided by the square of a slip."""
+    (finding,) = at_speeds(*[1.0] * 8, *[2.0] * 7, slip)
+    assert finding.runs == ("run15",)
+    assert finding.message.startswith("The speed of 1 of 16 runs is far from that of the others: ")
+
+
+@pytest.mark.parametrize(
+    "speeds", [(0.5, 1.0, 2.0), [0.0, *[1.0] * 15], [*[0.1] * 4, *[1.0] * 12], [0.25, *[1.0] * 15]]
+)
+def test_still_water_slow_series_and_dead_slow_are_no_slips(speeds: tuple[float, ...]) -> None:
+    assert at_speeds(*speeds) == []
