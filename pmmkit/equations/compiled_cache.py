@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -48,8 +48,9 @@ class _Cache(FunctionCache):
 
     def save_overload(self, sig: Any, data: Any) -> None:
         try:
-            with suppress(OSError):
-                super().save_overload(sig, data)
+            super().save_overload(sig, data)
+        except OSError:
+            return
         except RuntimeError as error:
             # LLVM hands its code to a callback; Ctrl-C within it is lost there, and the code too.
             raise KeyboardInterrupt from error

@@ -12,7 +12,8 @@ import xarray as xr
 from pmmkit.campaigns import Campaign, Run, Settings
 from pmmkit.conventions import Ship, Water
 from pmmkit.intake import Summary
-from pmmkit.intake.checks.stated import examine_set, examine_speeds, set_facts
+from pmmkit.intake.checks.scales import examine_speeds
+from pmmkit.intake.checks.stated import examine_set, set_facts
 from pmmkit.intake.checks.track import motion_facts
 
 DEG = math.pi / 180

@@ -47,8 +47,10 @@ def test_an_even_clock_is_told_from_stamps_of_few_digits(step, how, start, count
     if np.mean(np.diff(stamps) == 0) < 0.1:
         assert found is None
     else:
-        # Stamps half way between two numbers, as of .75 + .1 i s, tell the clock no better.
-        assert np.max(np.abs(found - exact)) < 0.5 * worth.max()
+        # Steps of whole or half digits, as of .75 + .1 i s, leave stamps always as far off.
+        halves = 2 * step / worth.max()
+        tied = abs(halves - round(halves)) < 1e-6
+        assert np.max(np.abs(found - exact)) < (0.5 if tied else 0.2) * worth.max()
 
 
 @given(row=st.integers(50, 150), lost=st.integers(15, 60))

@@ -1,4 +1,4 @@
-"""Means of oscillating runs against static runs, and forces off by a round factor."""
+"""Means of oscillating runs against static runs; forces off by a round factor, speeds by any."""
 
 from __future__ import annotations
 
@@ -289,6 +289,37 @@ def _speeds(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckF
         )
 
 
+FAR: Final = 8.0
+"""Times by which a speed is far from the middle one; from dead slow to full ahead it is four."""
+FEW: Final = 0.1
+"""Share of runs that are few: a series at another speed has more."""
+
+
+def examine_speeds(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """A few captive runs at a speed that is far from all others: it makes a Froude number of its
+    own, and divides forces by its square."""
+    moving = [item for item in summaries if item.run.settings.speed > 0.0]
+    if campaign.kind != "captive" or not moving:
+        return
+    speeds = np.array([item.run.settings.speed for item in moving])
+    middle = float(np.median(speeds))
+    away = np.abs(np.log(speeds / middle))
+    far = [item for item, own in zip(moving, away, strict=True) if own > math.log(FAR)]
+    if not 0 < len(far) <= FEW * len(moving):
+        return
+    first = far[0].run
+    yield CheckFinding(
+        check="speeds",
+        severity="warning",
+        message=f"The speed of {len(far)} of {len(moving)} runs is far from that of the others: "
+        f"{figure(first.settings.speed)} m/s in {first.id}, where {figure(middle)} m/s is usual.",
+        runs=tuple(item.run.id for item in far),
+        remedy="Correct the speed, or state a correction of it with its reason. If it is right, "
+        "reduce these runs by themselves.",
+        numbers={"speed": first.settings.speed, "usual": middle},
+    )
+
+
 CHECKS = (
     Check("means", "means of oscillating runs against static runs", examine_means),
     Check(
@@ -297,4 +328,5 @@ CHECKS = (
         examine_sizes,
         by_particulars=True,
     ),
+    Check("speeds", "speeds of a few runs far from those of all others", examine_speeds),
 )

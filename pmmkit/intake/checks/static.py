@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.intake.checks.finding import Check, CheckFinding, figure
+from pmmkit.intake.checks.finding import Check, CheckFinding, figure, name_runs
 from pmmkit.numerics import Array
 from pmmkit.presentation import counted
 
@@ -170,16 +170,16 @@ def examine_steady(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterato
     lost = [item for item in summaries if "unsteady_from" in item.facts]
     if not lost:
         return
-    share = f"{lost[0].run.id}" if len(lost) == 1 else f"{len(lost)} runs, such as {lost[0].run.id}"
+    ids, begin = tuple(item.run.id for item in lost), lost[0].facts["unsteady_from"]
     yield CheckFinding(
         check="steady",
         severity="warning",
-        message=f"Nothing steady was found in {share}: the forces still change at the end. What "
-        f"comes after {figure(lost[0].facts['unsteady_from'])} s counts.",
-        runs=tuple(item.run.id for item in lost),
+        message=f"Nothing steady was found in {name_runs(ids)}: the forces still change at the "
+        f"end. What comes after {figure(begin)} s of {ids[0]} counts.",
+        runs=ids,
         remedy='Look at the record. State what counts with a correction (action = "window"), or '
         "leave the run out.",
-        numbers={"from": lost[0].facts["unsteady_from"]},
+        numbers={"from": begin},
     )
 
 
