@@ -34,6 +34,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         status = _run(given)
         sys.stdout.flush()
         return status
+    except KeyboardInterrupt:  # between a command's end and the flush of what it said
+        return STOPPED
     except OSError as error:
         if not isinstance(error, BrokenPipeError):
             why = f"standard output or a file cannot be written: {error.strerror or error}."

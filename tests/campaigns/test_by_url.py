@@ -276,6 +276,24 @@ def test_a_redirect_to_another_host_or_port_is_refused_and_gets_no_key(
         assert not web.asked["HEAD", "/b.csv"] + web.asked["GET", "/b.csv"]
 
 
+@pytest.mark.parametrize("target", ["file:///etc/passwd", "data:,x", "http://[x", "ftp://other/x"])
+def test_a_redirect_to_what_is_no_web_server_names_it(target):
+    with served_web({}) as web:
+        web.moved["/a.csv"] = target
+        with pytest.raises(DataError, match="another place is not followed") as raised:
+            Origin.of(Url(f"{web.url}/a.csv"))
+    assert f"leads to {target}," in str(raised.value)
+
+
+def test_a_redirect_in_a_circle_is_not_asked_for_again():
+    with served_web({}) as web:
+        web.moved |= {"/a.csv": "/b.csv", "/b.csv": "/a.csv"}
+        with pytest.raises(DataError, match="never to a file") as raised:
+            Origin.of(Url(f"{web.url}/a.csv"))
+    assert "Try again" not in str(raised.value)
+    assert sum(web.asked.values()) < 30
+
+
 def test_a_redirect_within_a_server_is_followed():
     with served_web({"b.csv": ROWS}) as web:
         web.moved["/a.csv"] = "/b.csv"

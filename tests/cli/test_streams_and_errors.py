@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import subprocess
 import sys
 import warnings
@@ -63,6 +64,15 @@ def test_a_warning_is_one_line_without_the_place_in_the_code(monkeypatch, capsys
     monkeypatch.setattr("pmmkit.models.ships", ships)
     assert main(["ships"]) == 0
     assert capsys.readouterr().err == "pmmkit: Equations are interpreted.\n"
+
+
+def test_an_interrupt_while_output_is_flushed_is_no_traceback(monkeypatch):
+    class Interrupted(io.StringIO):
+        def flush(self):
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(sys, "stdout", Interrupted())
+    assert main(["ships"]) == 130
 
 
 def test_a_short_error_is_shown_as_it_is(capsys):

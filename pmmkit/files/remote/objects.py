@@ -169,6 +169,10 @@ _ABSENT: Final = (404, 410)
 _FORBIDDEN: Final = (401, 403)
 _ANSWERS: Final = ("status", "status_code", "code")
 """Where aiohttp, adlfs and gcsfs keep the answer of a server."""
+_CIRCLE: Final = "TooManyRedirects"
+"""What aiohttp raises after ten redirects."""
+_SHOWN: Final = 200
+"""Characters that are shown of a redirect to what is no URL with a host."""
 _NO_KEYS: Final = ("NoCredentialsError", "ClientAuthenticationError", "DefaultCredentialsError")
 
 
@@ -262,8 +266,13 @@ class _Elsewhere(Exception):
 
 async def _stay(_session: object, _context: object, redirect: Any) -> None:
     """Refuse a redirect to another protocol, host or port, before anything is sent there."""
-    target = redirect.url.join(type(redirect.url)(redirect.response.headers.get("Location", "")))
-    if target.origin() != redirect.url.origin():
+    named = redirect.response.headers.get("Location", "")
+    try:
+        target = redirect.url.join(type(redirect.url)(named))
+        same = target.origin() == redirect.url.origin()
+    except ValueError as error:  # no host, as in file:///, or no URL at all
+        raise _Elsewhere(Url(named).shown[:_SHOWN]) from error
+    if not same:
         raise _Elsewhere(Url(str(target)).shown)
 
 
@@ -297,11 +306,17 @@ def told(url: Url, error: BaseException) -> DataError:
             file=url.shown,
             remedy=f"See whether the name is right; keys are taken from {keys}.",
         )
-    if isinstance(chain[-1], _Elsewhere):
+    if elsewhere := [item for item in chain if isinstance(item, _Elsewhere)]:
         return DataError(
-            f"{host} leads to {chain[-1]}, and a redirect to another place is not followed.",
+            f"{host} leads to {elsewhere[0]}, and a redirect to another place is not followed.",
             file=url.shown,
             remedy="Name that URL itself, if you trust it.",
+        )
+    if any(type(item).__name__ == _CIRCLE for item in chain):
+        return DataError(
+            f"{host} leads from one place to the next and never to a file.",
+            file=url.shown,
+            remedy="Name the URL where the file itself lies.",
         )
     last = str(chain[-1]).split("?")[0].strip() or type(chain[-1]).__name__
     return DataError(

@@ -290,7 +290,8 @@ def _speeds(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckF
 
 
 FAR: Final = 8.0
-"""Times by which a speed is far from the middle one; from dead slow to full ahead it is four."""
+"""Times by which a speed is far from the middle one: below ten, so that a slip of the decimal point
+is told, and above 3.3, the farthest of the programmes at hand (KCS in shallow water)."""
 FEW: Final = 0.1
 """Share of runs that are few: a series at another speed has more."""
 
