@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+import shutil
 
 import numpy as np
 import pytest
 import xarray as xr
 from checks_programme import HULL, SHIP, WATER, campaign_of, programme, run_of
 
-from pmmkit import Run
+from pmmkit import Run, open_campaign
 from pmmkit.base import ContradictionError
 from pmmkit.campaigns import Settings
-from pmmkit.intake import CheckFinding, examine, refuse, summarise
+from pmmkit.intake import CheckFinding, campaign_draft, examine, refuse, summarise, written
 from pmmkit.intake.checks import CHECKS
 
 
@@ -266,6 +267,22 @@ def test_moments_about_another_point_break_the_symmetry_of_the_mass_matrix():
     assert found.numbers["x"] == pytest.approx(point, rel=0.03)
     stated = campaign_of(runs, moment_reference_x=point)
     assert said(examine(stated), "moment reference") == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sheet", ["C0101A01", "C0101A03"])
+def test_moments_about_midship_are_not_doubted_near_the_bottom(sheet, shared_data, tmp_path):
+    """Flanders Hydraulics took them about midship; the mass matrix says 0.05 to 0.11 L forward."""
+    book = shared_data / "kcs_fhr_shallow" / "App01_KCS_PMM_results_May2014.xlsx"
+    if not book.is_file():
+        pytest.skip("the measurements of the KCS in shallow water are not here")
+    shutil.copy(book, tmp_path)
+    draft = campaign_draft(tmp_path, tmp_path / "campaign.toml", sheet=sheet)
+    (tmp_path / "campaign.toml").write_text(written(draft).text, encoding="utf-8")
+    tank = open_campaign(tmp_path)
+    assert said(examine(tank), "moment reference") == []
+    aft = tank.with_(moment_reference_x=-0.1 * tank.ship.L)
+    assert any("x_over_L" in item.numbers for item in said(examine(aft), "moment reference"))
 
 
 def test_left_and_right_differ():
