@@ -53,12 +53,13 @@ def runs_at_odds(
     again by values and scatter of the others alone, and the rest anew without the worst.
     """
 
-    # Those of one round: a fit of a thousand runs holds 30 MB.
+    # Those of one round; without pushes, which no judgement needs and a budget alone takes.
     @lru_cache(maxsize=SUSPECTS)
     def solved(groups: _Groups) -> Solution:
         members = [(float(solution.Fn[number]), runs) for number, runs in groups]
         unknown, near = solution.between.unknown(), solution.between.scatter
-        return solve(rows, sensitivities, columns, members, unknown, near=near)
+        made = solve(rows, sensitivities, columns, members, unknown, near=near)
+        return replace(made, joint=replace(made.joint, pushes=()))
 
     limit = AT_ODDS / max(len(found), 1)
     odd: list[Influence] = []

@@ -46,13 +46,27 @@ class Push:
     """What one error of one standard deviation does to all derivatives.
 
     `source`: a stated uncertainty, or one of `KINDS`: what each run draws for itself. `run`:
-    place of the run that draws it; None for an error of all runs. `column (P,)`: change of the
-    derivatives.
+    place of the run that draws it; None for an error of all runs. `changes`: of the derivatives of
+    each fit that it touches, by where they begin; most errors touch one fit of many. `size`: P.
     """
 
     source: TypeB | str
     run: int | None
-    column: Array
+    changes: Mapping[int, Array]
+    size: int
+
+    @property
+    def places(self) -> tuple[tuple[int, int], ...]:
+        """Where the derivatives that it changes begin and end."""
+        return tuple((start, start + len(own)) for start, own in self.changes.items())
+
+    @property
+    def column(self) -> Array:
+        """Change of all derivatives, array (P,)."""
+        found = np.zeros(self.size)
+        for start, own in self.changes.items():
+            found[start : start + len(own)] = own
+        return found
 
     @property
     def common(self) -> str:
@@ -94,7 +108,7 @@ def join(
     type_a = np.zeros((total, total))
     shares = np.zeros(total)
     unknown = np.zeros(total, dtype=bool)
-    columns: dict[tuple[str, int, int | None, str], Array] = {}
+    changed: dict[tuple[str, int, int | None, str], dict[int, Array]] = {}
     for (group, item), start in zip(fits, starts, strict=True):
         span = slice(start, start + len(item.fit.names))
         values = {**known.get(group, {}), **item.values()}
@@ -111,7 +125,8 @@ def join(
             drawn += np.sum(moved**2, axis=1)
             for kind, column in enumerate(moved.T):
                 key = (_DRAWN, kind, run, "" if _kind(kind) == "drift" else item.channel)
-                columns.setdefault(key, np.zeros(total))[span] += column
+                own = changed.setdefault(key, {})
+                own[start] = own.get(start, 0.0) + column
             changes = sensitivities[run]
             moves = residuals(changes, item.channel, values)
             for number, (change, shift) in enumerate(
@@ -119,9 +134,10 @@ def join(
             ):
                 if not change.source.shared and block.covariance is None:
                     continue
-                own = None if change.source.shared else run
-                push = columns.setdefault((_STATED, number, own, ""), np.zeros(total))
-                push[span] += (gain if change.source.shared else pull) @ shift[block.keep]
+                who = None if change.source.shared else run
+                own = changed.setdefault((_STATED, number, who, ""), {})
+                moved_by = (gain if change.source.shared else pull) @ shift[block.keep]
+                own[start] = own.get(start, 0.0) + moved_by
         variance = np.stack(parts)
         doubt = item.noise.doubt
         unknown[span] = np.any(variance[np.isinf(doubt).any(axis=1)] > 0, axis=0)
@@ -133,15 +149,12 @@ def join(
         Push(
             source=_kind(number) if kind == _DRAWN else sensitivities[0][number].source,
             run=run,
-            column=column,
+            changes=own,
+            size=total,
         )
-        for (kind, number, run, _), column in columns.items()
+        for (kind, number, run, _), own in changed.items()
     )
-    rest = Propagated(
-        factors=tuple(push.column[None] for push in pushes),
-        causes=tuple(push.common for push in pushes),
-    )
-    covariance = type_a + rest.covariance if pushes else type_a.copy()
+    covariance = type_a + _covariance(pushes, total)
     value = np.concatenate([item.fit.value for _, item in fits]) if fits else np.zeros(0)
     blank = np.isnan(value) | unknown
     covariance[blank] = math.nan
@@ -156,6 +169,26 @@ def join(
         pushes=pushes,
         dof=dof,
     )
+
+
+def _covariance(pushes: Sequence[Push], size: int) -> Array:
+    """Of the derivatives by all pushes: alike ones together, those of one cause added up."""
+    alike: dict[tuple[tuple[int, int], ...], list[Array]] = {}
+    for push in pushes:
+        if not push.common:
+            alike.setdefault(push.places, []).append(np.concatenate([*push.changes.values()]))
+    found = np.zeros((size, size))
+    for places, changes in alike.items():
+        at = np.concatenate([np.arange(*place) for place in places])
+        errors = np.stack(changes)
+        found[np.ix_(at, at)] += errors.T @ errors
+    shared = [push for push in pushes if push.common]
+    if shared:
+        found += Propagated(
+            factors=tuple(push.column[None] for push in shared),
+            causes=tuple(push.common for push in shared),
+        ).covariance
+    return found
 
 
 def _kind(column: int) -> str:
