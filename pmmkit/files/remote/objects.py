@@ -270,8 +270,8 @@ async def _stay(_session: object, _context: object, redirect: Any) -> None:
     try:
         target = redirect.url.join(type(redirect.url)(named))
         same = target.origin() == redirect.url.origin()
-    except ValueError as error:  # no host, as in file:///, or no URL at all
-        raise _Elsewhere(Url(named).shown[:_SHOWN]) from error
+    except ValueError:  # no host, as in file:///, or no URL at all
+        raise _Elsewhere(Url(named).shown[:_SHOWN]) from None
     if not same:
         raise _Elsewhere(Url(str(target)).shown)
 
@@ -306,9 +306,9 @@ def told(url: Url, error: BaseException) -> DataError:
             file=url.shown,
             remedy=f"See whether the name is right; keys are taken from {keys}.",
         )
-    if elsewhere := [item for item in chain if isinstance(item, _Elsewhere)]:
+    if isinstance(chain[-1], _Elsewhere):
         return DataError(
-            f"{host} leads to {elsewhere[0]}, and a redirect to another place is not followed.",
+            f"{host} leads to {chain[-1]}, and a redirect to another place is not followed.",
             file=url.shown,
             remedy="Name that URL itself, if you trust it.",
         )
